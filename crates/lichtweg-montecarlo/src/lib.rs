@@ -1,0 +1,1 @@
+//! Random numbers, sequences, distributions, running moments and statistical tests.
