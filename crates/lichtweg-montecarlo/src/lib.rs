@@ -1,1 +1,7 @@
 //! Random numbers, sequences, distributions, running moments and statistical tests.
+
+pub mod hash;
+pub mod owen;
+pub mod sampler;
+
+pub use sampler::{Sampler, SamplerKind};

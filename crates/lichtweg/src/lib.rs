@@ -1,1 +1,3 @@
 //! Light transport.
+
+pub mod scene;

@@ -17,9 +17,8 @@ impl Default for Affine {
 
 impl Affine {
     /// The identity.
-    pub const IDENTITY: Self = Self {
-        rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
-    };
+    pub const IDENTITY: Self =
+        Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
     /// A translation.
     pub fn translation(x: f64, y: f64, z: f64) -> Self {
@@ -52,9 +51,7 @@ impl Affine {
         let dir = unit(sub(target, origin))?;
         let left = unit(cross(up, dir))?;
         let up = cross(dir, left);
-        Some(Self {
-            rows: std::array::from_fn(|i| [left[i], up[i], dir[i], origin[i]]),
-        })
+        Some(Self { rows: std::array::from_fn(|i| [left[i], up[i], dir[i], origin[i]]) })
     }
 
     /// The map "first `first`, then `self`".
@@ -86,9 +83,7 @@ impl Affine {
         let det = self.determinant();
         let inverse_rows = [cross(b, c), cross(c, a), cross(a, b)].map(|r| r.map(|v| v / det));
         let t = [self.rows[0][3], self.rows[1][3], self.rows[2][3]];
-        let out = Self {
-            rows: inverse_rows.map(|r| [r[0], r[1], r[2], -dot(r, t)]),
-        };
+        let out = Self { rows: inverse_rows.map(|r| [r[0], r[1], r[2], -dot(r, t)]) };
         (det != 0.0 && out.is_finite()).then_some(out)
     }
 
@@ -113,9 +108,7 @@ impl Affine {
         let n = [f64::from(n.x), f64::from(n.y), f64::from(n.z)];
         let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
         let sign = self.determinant().signum();
-        let [x, y, z] = std::array::from_fn(|i| {
-            (sign * (bc[i] * n[0] + ca[i] * n[1] + ab[i] * n[2])) as f32
-        });
+        let [x, y, z] = std::array::from_fn(|i| (sign * (bc[i] * n[0] + ca[i] * n[1] + ab[i] * n[2])) as f32);
         Vec3::new(x, y, z)
     }
 

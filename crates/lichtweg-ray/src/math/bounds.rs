@@ -14,10 +14,7 @@ pub struct Bounds3 {
 
 impl Bounds3 {
     /// The empty box: the neutral element of [`Bounds3::union`].
-    pub const EMPTY: Self = Self {
-        min: Vec3::splat(f32::INFINITY),
-        max: Vec3::splat(f32::NEG_INFINITY),
-    };
+    pub const EMPTY: Self = Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
 
     /// The smallest box that holds all `points`.
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {

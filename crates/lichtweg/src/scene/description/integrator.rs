@@ -1,0 +1,88 @@
+//! Which estimator, and where its random numbers come from.
+
+use lichtweg_montecarlo::SamplerKind;
+
+use super::Span;
+
+/// The path-tracing estimator a scene asks for.
+#[derive(Clone, Debug)]
+pub struct IntegratorDescription {
+    /// Where it was stated.
+    pub span: Span,
+    /// Which paths carry light to the eye.
+    pub light: LightStrategy,
+    /// How two strategies for one path are weighted.
+    pub heuristic: Heuristic,
+    /// Largest number of path edges (1: emitters seen directly, 2: direct light); `None` is unlimited.
+    pub max_depth: Option<u32>,
+    /// When paths may end early.
+    pub roulette: RouletteDescription,
+    /// Do not show emitters that the camera sees directly.
+    pub hide_emitters: bool,
+}
+
+impl Default for IntegratorDescription {
+    fn default() -> Self {
+        Self {
+            span: Span::default(),
+            light: LightStrategy::Mis,
+            heuristic: Heuristic::Power,
+            max_depth: None,
+            roulette: RouletteDescription::default(),
+            hide_emitters: false,
+        }
+    }
+}
+
+/// Which paths carry light to the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightStrategy {
+    /// Follow the BSDF and count the lights that are hit.
+    Naive,
+    /// Connect every vertex to a sampled light; count hits only where no connection could find them.
+    Nee,
+    /// Both, weighted by multiple importance sampling.
+    Mis,
+}
+
+/// The weight of a strategy with density p_i among densities p_j (Veach 1997, section 9.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Heuristic {
+    /// p_i / sum p_j.
+    Balance,
+    /// p_i^2 / sum p_j^2.
+    Power,
+}
+
+/// Russian roulette by throughput.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RouletteDescription {
+    /// The first depth (in path edges) at which a path may end; `None` never.
+    pub start_depth: Option<u32>,
+}
+
+impl Default for RouletteDescription {
+    /// From the fifth edge on, as in Mitsuba.
+    fn default() -> Self {
+        Self { start_depth: Some(5) }
+    }
+}
+
+/// The random numbers a scene asks for.
+#[derive(Clone, Debug)]
+pub struct SamplerDescription {
+    /// Where it was stated.
+    pub span: Span,
+    /// Which sequence.
+    pub kind: SamplerKind,
+    /// Samples a pixel.
+    pub samples_per_pixel: u32,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Default for SamplerDescription {
+    fn default() -> Self {
+        Self { span: Span::default(), kind: SamplerKind::Independent, samples_per_pixel: 64, seed: 0 }
+    }
+}

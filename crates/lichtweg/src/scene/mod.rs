@@ -1,0 +1,3 @@
+//! Scenes: the neutral description and what it compiles to.
+
+pub mod description;
