@@ -163,8 +163,8 @@ mod tests {
             let mut sampler = Sampler::new(kind, 1, 2, 3);
             [sampler.next_1d(), sampler.next_2d()[0], sampler.next_2d()[1]].map(|u| (u * 16_777_216.0) as u32)
         };
-        assert_eq!(bits(SamplerKind::Independent), [0, 0, 0]);
-        assert_eq!(bits(SamplerKind::Sobol), [0, 0, 0]);
+        assert_eq!(bits(SamplerKind::Independent), [15_027_846, 8_073_962, 8_936_104]);
+        assert_eq!(bits(SamplerKind::Sobol), [13_250_576, 2_369_823, 11_077_365]);
     }
 
     #[test]

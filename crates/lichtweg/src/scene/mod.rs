@@ -1,3 +1,202 @@
-//! Scenes: the neutral description and what it compiles to.
+//! Scenes: the neutral description, and what it compiles to.
 
+mod compile;
 pub mod description;
+mod material;
+pub mod offset;
+mod surface;
+
+use lichtweg_ray::math::{Bounds3, Vec3};
+use lichtweg_ray::{Accel, BuildReport, Ray};
+
+use crate::color::Spectrum;
+use crate::light::{AreaLight, Environment, Light, LightSelection};
+use crate::texture::TextureArena;
+
+pub use compile::CompileReport;
+pub use material::{MaterialArena, Scatterer};
+pub use surface::{Form, MeshForm, QuadricForm, SurfacePoint};
+
+/// A compiled scene: immutable, and shared by all threads.
+#[derive(Debug)]
+pub struct Scene {
+    accel: Accel,
+    shapes: Vec<Shape>,
+    textures: TextureArena,
+    materials: MaterialArena,
+    lights: Vec<Light>,
+    selection: LightSelection,
+    /// The lights that are around the scene.
+    environments: Vec<u32>,
+    /// Whether any surface has holes, so that occlusion has to look closer.
+    has_holes: bool,
+    report: CompileReport,
+}
+
+#[derive(Debug)]
+struct Shape {
+    form: Form,
+    material: u32,
+    light: Option<u32>,
+    has_holes: bool,
+}
+
+/// Exact counts of ray queries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// Closest-hit queries.
+    pub closest: u64,
+    /// Occlusion queries.
+    pub occlusion: u64,
+}
+
+impl RayCounts {
+    /// Adds those of another thread.
+    pub fn merge(&mut self, other: &Self) {
+        self.closest += other.closest;
+        self.occlusion += other.occlusion;
+    }
+}
+
+/// Holes that a ray may pass before it counts as stopped: guards against surfaces that lie in each other.
+const MAX_HOLES: u32 = 256;
+
+impl Scene {
+    /// The form of a shape.
+    #[inline]
+    pub fn form(&self, shape: u32) -> &Form {
+        &self.shapes[shape as usize].form
+    }
+
+    /// The textures.
+    #[inline]
+    pub fn textures(&self) -> &TextureArena {
+        &self.textures
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Chooses lights.
+    #[inline]
+    pub fn selection(&self) -> &LightSelection {
+        &self.selection
+    }
+
+    /// What compiling took and found.
+    pub fn report(&self) -> &CompileReport {
+        &self.report
+    }
+
+    /// What building the ray hierarchy took and found.
+    pub fn build_report(&self) -> &BuildReport {
+        self.accel.report()
+    }
+
+    /// Bounds of all shapes.
+    pub fn bounds(&self) -> Bounds3 {
+        self.accel.bounds()
+    }
+
+    /// Number of shapes.
+    pub fn shape_count(&self) -> usize {
+        self.shapes.len()
+    }
+
+    /// The first surface point along a ray, passing through holes by chance: `u` yields a uniform number each time one is
+    /// asked for.
+    #[inline]
+    pub fn intersect(
+        &self,
+        ray: &Ray,
+        counts: &mut RayCounts,
+        mut u: impl FnMut() -> f32,
+    ) -> Option<SurfacePoint> {
+        let mut ray = *ray;
+        for _ in 0..=MAX_HOLES {
+            counts.closest += 1;
+            let hit = self.accel.closest(&ray)?;
+            let shape = &self.shapes[hit.geometry as usize];
+            let point = shape.form.hit_point(|| ray.at(hit.t), &hit);
+            if !shape.has_holes || u() < self.opacity(shape, &point, -ray.direction) {
+                return Some(point);
+            }
+            ray.tfar -= hit.t;
+            ray.tnear = 0.0;
+            ray.origin = point.leave(ray.direction);
+        }
+        None
+    }
+
+    /// The fraction of light that passes from one end of a ray to the other: 0 or 1 but for surfaces with holes.
+    #[inline]
+    pub fn transmittance(&self, ray: &Ray, counts: &mut RayCounts) -> f32 {
+        if self.has_holes {
+            return self.transmittance_with_holes(ray, counts);
+        }
+        counts.occlusion += 1;
+        if self.accel.occluded(ray) { 0.0 } else { 1.0 }
+    }
+
+    #[cold]
+    fn transmittance_with_holes(&self, ray: &Ray, counts: &mut RayCounts) -> f32 {
+        let mut ray = *ray;
+        let mut transmittance = 1.0;
+        for _ in 0..=MAX_HOLES {
+            counts.occlusion += 1;
+            let Some(hit) = self.accel.closest(&ray) else { return transmittance };
+            let shape = &self.shapes[hit.geometry as usize];
+            if !shape.has_holes {
+                return 0.0;
+            }
+            let point = shape.form.hit_point(|| ray.at(hit.t), &hit);
+            transmittance *= 1.0 - self.opacity(shape, &point, -ray.direction);
+            if transmittance == 0.0 {
+                return 0.0;
+            }
+            // The end of the ray stays where it is.
+            ray.tfar -= hit.t;
+            ray.tnear = 0.0;
+            ray.origin = point.leave(ray.direction);
+        }
+        0.0
+    }
+
+    fn opacity(&self, shape: &Shape, point: &SurfacePoint, wo: Vec3) -> f32 {
+        self.materials.opacity(shape.material, point, wo, &self.textures)
+    }
+
+    /// What scatters at a point that is looked at from the direction `wo`.
+    #[inline]
+    pub fn scatterer(&self, point: &SurfacePoint, wo: Vec3) -> Scatterer<'_> {
+        let shape = &self.shapes[point.shape as usize];
+        self.materials.scatterer(shape.material, point, wo, &shape.form, &self.textures)
+    }
+
+    /// The area light that a point lies on, and its index.
+    #[inline]
+    pub fn area_light(&self, point: &SurfacePoint) -> Option<(u32, &AreaLight)> {
+        let index = self.shapes[point.shape as usize].light?;
+        match &self.lights[index as usize] {
+            Light::Area(light) => Some((index, light)),
+            _ => None,
+        }
+    }
+
+    /// The lights around the scene, with their indices.
+    #[inline]
+    pub fn environments(&self) -> impl Iterator<Item = (u32, &Environment)> {
+        self.environments.iter().filter_map(|&index| match &self.lights[index as usize] {
+            Light::Environment(environment) => Some((index, environment)),
+            _ => None,
+        })
+    }
+
+    /// Radiance from around the scene.
+    #[inline]
+    pub fn environment_radiance(&self, direction: Vec3) -> Spectrum {
+        self.environments().fold(Spectrum::ZERO, |sum, (_, e)| sum + e.radiance(direction))
+    }
+}

@@ -1,0 +1,527 @@
+//! The directives of pbrt-v4, and what each does to the graphics state (pbrt's `parser.cpp` and `scene.cpp`).
+//!
+//! Blocks: options come before `WorldBegin`, the scene after it. `TransformBegin` saves all of the state, as in
+//! pbrt-v4. `WorldEnd` of older versions is accepted.
+//!
+//! Limits: transforms are affine, and the two ends of a motion must be alike where they are used.
+
+use std::rc::Rc;
+
+use lichtweg::scene::description::{Diagnostic, Span};
+use lichtweg_ray::math::Affine;
+
+use super::color_space::ColorSpace;
+use super::params::{Params, list};
+use super::parser::{Parser, Reported};
+use super::report::suggest;
+use super::state::{
+    ATTRIBUTE_TARGETS, Block, BlockKind, Entity, InstanceStatement, LightStatement, MaterialChoice,
+    MaterialStatement, ShapeStatement, TextureStatement,
+};
+use super::token::{Kind, Token};
+use super::transform;
+
+/// Where a directive may stand.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Options,
+    World,
+    Anywhere,
+}
+
+/// All directives, and where they may stand.
+const DIRECTIVES: [(&str, Place); 41] = [
+    ("Accelerator", Place::Options),
+    ("ActiveTransform", Place::Anywhere),
+    ("AreaLightSource", Place::World),
+    ("Attribute", Place::Anywhere),
+    ("AttributeBegin", Place::World),
+    ("AttributeEnd", Place::World),
+    ("Camera", Place::Options),
+    ("ColorSpace", Place::Anywhere),
+    ("ConcatTransform", Place::Anywhere),
+    ("CoordSysTransform", Place::Anywhere),
+    ("CoordinateSystem", Place::Anywhere),
+    ("Film", Place::Options),
+    ("Identity", Place::Anywhere),
+    ("Import", Place::World),
+    ("Include", Place::Anywhere),
+    ("Integrator", Place::Options),
+    ("LightSource", Place::World),
+    ("LookAt", Place::Anywhere),
+    ("MakeNamedMaterial", Place::World),
+    ("MakeNamedMedium", Place::Anywhere),
+    ("Material", Place::World),
+    ("MediumInterface", Place::Anywhere),
+    ("NamedMaterial", Place::World),
+    ("ObjectBegin", Place::World),
+    ("ObjectEnd", Place::World),
+    ("ObjectInstance", Place::World),
+    ("Option", Place::Anywhere),
+    ("PixelFilter", Place::Options),
+    ("ReverseOrientation", Place::World),
+    ("Rotate", Place::Anywhere),
+    ("Sampler", Place::Options),
+    ("Scale", Place::Anywhere),
+    ("Shape", Place::World),
+    ("Texture", Place::World),
+    ("Transform", Place::Anywhere),
+    ("TransformBegin", Place::World),
+    ("TransformEnd", Place::World),
+    ("TransformTimes", Place::Options),
+    ("Translate", Place::Anywhere),
+    ("WorldBegin", Place::Options),
+    ("WorldEnd", Place::World),
+];
+
+/// Whether a word is a directive.
+pub(super) fn is_known(word: &str) -> bool {
+    place_of(word).is_some()
+}
+
+fn place_of(word: &str) -> Option<Place> {
+    DIRECTIVES.iter().find(|(name, _)| *name == word).map(|(_, place)| *place)
+}
+
+/// Reads and obeys one directive; false at the end of the file.
+pub(super) fn next(parser: &mut Parser) -> Result<bool, Reported> {
+    let Some(token) = parser.next_token() else { return Ok(false) };
+    let span = parser.span_of(token);
+    let word = parser.text(token).to_owned();
+    let Some(place) = place_of(&word).filter(|_| token.kind == Kind::Word) else {
+        return Err(unknown(parser, token, &word));
+    };
+    check_place(parser, &word, place, span);
+    obey(parser, &word, span)?;
+    Ok(true)
+}
+
+fn unknown(parser: &mut Parser, token: Token, word: &str) -> Reported {
+    let span = parser.span_of(token);
+    parser.report.push(if token.kind == Kind::Word && word.starts_with(|c: char| c.is_alphabetic()) {
+        let diagnostic = Diagnostic::error("unknown-directive", format!("{word} is no directive"));
+        suggest(diagnostic.at(span, "unknown directive"), word, DIRECTIVES.iter().map(|(name, _)| *name))
+    } else {
+        Diagnostic::error("syntax", format!("expected a directive, found {word}")).at(span, "belongs to nothing")
+    });
+    Reported
+}
+
+fn check_place(parser: &mut Parser, word: &str, place: Place, span: Span) {
+    let message = match place {
+        Place::Options if parser.in_world => format!("{word} belongs before WorldBegin"),
+        Place::World if !parser.in_world => format!("{word} belongs after WorldBegin"),
+        _ => return,
+    };
+    parser.report.push(Diagnostic::error("misplaced-directive", message).at(span, "not allowed here"));
+}
+
+fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
+    match word {
+        "Accelerator" => {
+            // A matter of speed alone, and of another program's.
+            entity(parser, "Accelerator", None)?;
+        }
+        "ActiveTransform" => active_transform(parser)?,
+        "AreaLightSource" => {
+            let light = entity(parser, "AreaLightSource", Some("light"))?;
+            parser.graphics.area_light = Some(Rc::new(light));
+        }
+        "Attribute" => attribute(parser)?,
+        "AttributeBegin" => open(parser, BlockKind::Attribute, span),
+        "AttributeEnd" => close(parser, &BlockKind::Attribute, span),
+        "Camera" => camera(parser)?,
+        "ColorSpace" => color_space(parser)?,
+        "ConcatTransform" | "Transform" | "Translate" | "Scale" | "Rotate" | "LookAt" => {
+            let change = transform::read(parser, word, span)?;
+            let replaces = word == "Transform";
+            parser.graphics.transform(|t| if replaces { change } else { t.after(&change) });
+        }
+        "CoordSysTransform" => {
+            let (name, span) = parser.quoted("the name of a coordinate system")?;
+            match parser.coordinate_systems.get(&name) {
+                Some(transforms) => parser.graphics.transforms = *transforms,
+                None => {
+                    let text = format!("there is no coordinate system \"{name}\"");
+                    let diagnostic = Diagnostic::error("unknown-name", text).at(span, "never defined before");
+                    let known = parser.coordinate_systems.keys().map(String::as_str);
+                    parser.report.push(suggest(diagnostic, &name, known));
+                }
+            }
+        }
+        "CoordinateSystem" => {
+            let (name, _) = parser.quoted("a name for the coordinate system")?;
+            parser.coordinate_systems.insert(name, parser.graphics.transforms);
+        }
+        "Film" => parser.statements.film = Some(entity(parser, "Film", None)?),
+        "Identity" => parser.graphics.transform(|_| Affine::IDENTITY),
+        "Include" => include(parser)?,
+        "Import" => import(parser)?,
+        "Integrator" => parser.statements.integrator = Some(entity(parser, "Integrator", None)?),
+        "LightSource" => {
+            let entity = entity(parser, "LightSource", Some("light"))?;
+            let to_world = static_transform(parser, entity.span);
+            parser.statements.lights.push(LightStatement { entity, to_world });
+        }
+        "MakeNamedMaterial" => named_material(parser)?,
+        "MakeNamedMedium" => {
+            let entity = entity(parser, "MakeNamedMedium", Some("medium"))?;
+            let text = "participating media are not supported";
+            let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this medium");
+            parser.report.unsupported(diagnostic, "space is left empty");
+        }
+        "Material" => {
+            let entity = entity(parser, "Material", Some("material"))?;
+            let index = parser.statements.materials.len();
+            parser.statements.materials.push(MaterialStatement { name: None, entity });
+            parser.graphics.material = MaterialChoice::Index(index);
+        }
+        "MediumInterface" => medium_interface(parser)?,
+        "NamedMaterial" => {
+            let (name, span) = parser.quoted("the name of a material")?;
+            parser.graphics.material = MaterialChoice::Named(name.into(), span);
+        }
+        "ObjectBegin" => object_begin(parser, span)?,
+        "ObjectEnd" => close(parser, &BlockKind::Object(None), span),
+        "ObjectInstance" => object_instance(parser)?,
+        "Option" => option(parser)?,
+        "PixelFilter" => parser.statements.filter = Some(entity(parser, "PixelFilter", None)?),
+        "ReverseOrientation" => {
+            parser.graphics.reverse_orientation = !parser.graphics.reverse_orientation;
+        }
+        "Sampler" => parser.statements.sampler = Some(entity(parser, "Sampler", None)?),
+        "Shape" => shape(parser)?,
+        "Texture" => texture(parser)?,
+        "TransformBegin" => open(parser, BlockKind::Transform, span),
+        "TransformEnd" => close(parser, &BlockKind::Transform, span),
+        "TransformTimes" => {
+            parser.numbers::<2>(false)?;
+        }
+        "WorldBegin" => world_begin(parser),
+        "WorldEnd" => {}
+        _ => {
+            let text = format!("{word} is no directive of pbrt-v4");
+            parser.report.push(Diagnostic::error("unknown-directive", text).at(span, "unknown directive"));
+            return Err(Reported);
+        }
+    }
+    Ok(())
+}
+
+/// The type and the parameters that follow a directive; `target` names the defaults that apply.
+fn entity(parser: &mut Parser, directive: &'static str, target: Option<&str>) -> Result<Entity, Reported> {
+    let (kind, span) = parser.quoted("a type in quotes")?;
+    Ok(Entity { directive, kind, span, params: params(parser, target) })
+}
+
+fn params(parser: &mut Parser, target: Option<&str>) -> Params {
+    let own = parser.parameters(parser.graphics.color_space);
+    let index = target.and_then(|t| ATTRIBUTE_TARGETS.iter().position(|name| *name == t));
+    Params::new(own, index.map_or_else(Vec::new, |i| parser.graphics.attributes[i].clone()))
+}
+
+fn active_transform(parser: &mut Parser) -> Result<(), Reported> {
+    let token = parser.next_token();
+    let inactive = match token.map(|t| parser.text(t)) {
+        Some("All") => [false, false],
+        Some("StartTime") => [false, true],
+        Some("EndTime") => [true, false],
+        _ => return Err(parser.unexpected(token, "All, StartTime or EndTime")),
+    };
+    parser.graphics.inactive = inactive;
+    Ok(())
+}
+
+fn attribute(parser: &mut Parser) -> Result<(), Reported> {
+    let (target, span) = parser.quoted("what the defaults are for")?;
+    let own = params(parser, None).into_own();
+    match ATTRIBUTE_TARGETS.iter().position(|name| *name == target) {
+        Some(index) => parser.graphics.attributes[index].extend(own.into_iter().map(Rc::new)),
+        None => {
+            let text = format!("\"{target}\" has no attributes");
+            let diagnostic = Diagnostic::error("unknown-name", text)
+                .at(span, "unknown target")
+                .help(format!("known are {}", list(&ATTRIBUTE_TARGETS)));
+            parser.report.push(suggest(diagnostic, &target, ATTRIBUTE_TARGETS));
+        }
+    }
+    Ok(())
+}
+
+fn camera(parser: &mut Parser) -> Result<(), Reported> {
+    let camera = entity(parser, "Camera", None)?;
+    let from_world = static_transform(parser, camera.span);
+    // Transform directives refuse singular maps, so that there is an inverse up to rounding.
+    let to_world = parser.graphics.transforms.map(|t| t.inverse().unwrap_or(t));
+    parser.coordinate_systems.insert("camera".to_owned(), to_world);
+    parser.statements.camera = Some((camera, from_world));
+    Ok(())
+}
+
+fn color_space(parser: &mut Parser) -> Result<(), Reported> {
+    let (name, span) = parser.quoted("the name of a colour space")?;
+    if let Some((_, space)) = ColorSpace::NAMES.iter().find(|(known, _)| *known == name) {
+        parser.graphics.color_space = *space;
+    } else if name == "aces2065-1" {
+        let text = "the colour space ACES 2065-1 is not supported";
+        let diagnostic = Diagnostic::error("unsupported", text).at(span, "this colour space");
+        parser.report.unsupported(diagnostic, "its numbers are taken as linear sRGB");
+        parser.graphics.color_space = ColorSpace::Srgb;
+    } else {
+        let known = ColorSpace::NAMES.map(|(name, _)| name);
+        let diagnostic = Diagnostic::error("unknown-name", format!("\"{name}\" is no colour space"))
+            .at(span, "unknown colour space")
+            .help(format!("known are {}", list(&known)));
+        parser.report.push(suggest(diagnostic, &name, known));
+    }
+    Ok(())
+}
+
+fn include(parser: &mut Parser) -> Result<(), Reported> {
+    let (name, span) = parser.quoted("the name of a file")?;
+    let path = parser.directory.join(name);
+    parser.parse_path(&path, Some(span));
+    Ok(())
+}
+
+/// Like [`include`], but the file does not change the state of the one that asks for it.
+fn import(parser: &mut Parser) -> Result<(), Reported> {
+    let (name, span) = parser.quoted("the name of a file")?;
+    let path = parser.directory.join(name);
+    let saved = parser.graphics.clone();
+    let depth = parser.blocks.len();
+    parser.parse_path(&path, Some(span));
+    while parser.blocks.len() > depth {
+        report_open_block(parser);
+    }
+    parser.graphics = saved;
+    Ok(())
+}
+
+fn medium_interface(parser: &mut Parser) -> Result<(), Reported> {
+    let (inside, span) = parser.quoted("the name of a medium, or \"\"")?;
+    let outside = parser.quoted_if().map(|(name, _)| name);
+    if !inside.is_empty() || outside.is_some_and(|name| !name.is_empty()) {
+        let text = "participating media are not supported";
+        let diagnostic = Diagnostic::error("unsupported", text).at(span, "this medium");
+        parser.report.unsupported(diagnostic, "space is left empty");
+    }
+    Ok(())
+}
+
+fn named_material(parser: &mut Parser) -> Result<(), Reported> {
+    let (name, span) = parser.quoted("a name for the material")?;
+    let params = params(parser, Some("material"));
+    if parser.statements.named_materials.contains_key(&name) {
+        let text = format!("there is a material \"{name}\" already");
+        parser.report.push(Diagnostic::error("redefined-name", text).at(span, "defined again"));
+        return Ok(());
+    }
+    let kind = params.string("type", &mut parser.report).unwrap_or("").to_owned();
+    if !params.has("type") {
+        let text = format!("the material \"{name}\" has no type");
+        let help = "add a parameter such as \"string type\" \"diffuse\"";
+        parser.report.push(Diagnostic::error("missing-parameter", text).at(span, "no type").help(help));
+        params.accept_all();
+    }
+    let entity = Entity { directive: "Material", kind, span, params };
+    parser.statements.named_materials.insert(name.clone(), parser.statements.materials.len());
+    parser.statements.materials.push(MaterialStatement { name: Some(name), entity });
+    Ok(())
+}
+
+fn texture(parser: &mut Parser) -> Result<(), Reported> {
+    let (name, name_span) = parser.quoted("a name for the texture")?;
+    let (value, value_span) = parser.quoted("\"float\" or \"spectrum\"")?;
+    let entity = entity(parser, "Texture", Some("texture"))?;
+    let is_float = match value.as_str() {
+        "float" => true,
+        // The older spelling.
+        "spectrum" | "color" => false,
+        _ => {
+            let text = format!("\"{value}\" is no type of texture");
+            let diagnostic =
+                Diagnostic::error("unknown-type", text).at(value_span, "expected \"float\" or \"spectrum\"");
+            parser.report.push(suggest(diagnostic, &value, ["float", "spectrum"]));
+            return Ok(());
+        }
+    };
+    if parser.statements.texture_names.insert((is_float, name.clone())) {
+        parser.statements.textures.push(TextureStatement { name, is_float, entity });
+    } else {
+        let text = format!("there is a {value} texture \"{name}\" already");
+        parser.report.push(Diagnostic::error("redefined-name", text).at(name_span, "defined again"));
+    }
+    Ok(())
+}
+
+fn shape(parser: &mut Parser) -> Result<(), Reported> {
+    let entity = entity(parser, "Shape", Some("shape"))?;
+    let to_world = static_transform(parser, entity.span);
+    let shape = ShapeStatement {
+        to_world,
+        reverse_orientation: parser.graphics.reverse_orientation,
+        material: parser.graphics.material.clone(),
+        area_light: parser.graphics.area_light.clone(),
+        entity,
+    };
+    match open_object(parser) {
+        None => parser.statements.shapes.push(shape),
+        Some(None) => {}
+        Some(Some(name)) => {
+            if shape.area_light.is_some() {
+                let text = "shapes in an object emit no light";
+                let diagnostic = Diagnostic::warning("dark-object", text)
+                    .at(shape.entity.span, "has an area light")
+                    .help("the shape is dark, as it is in pbrt; state it outside of ObjectBegin");
+                parser.report.push(diagnostic);
+            }
+            let shape = ShapeStatement { area_light: None, ..shape };
+            parser.statements.objects.entry(name).or_default().shapes.push(shape);
+        }
+    }
+    Ok(())
+}
+
+/// The object whose definition is open, `Some(None)` if its name was refused.
+fn open_object(parser: &Parser) -> Option<Option<String>> {
+    parser.blocks.iter().rev().find_map(|block| match &block.kind {
+        BlockKind::Object(name) => Some(name.clone()),
+        _ => None,
+    })
+}
+
+fn object_begin(parser: &mut Parser, span: Span) -> Result<(), Reported> {
+    let (name, name_span) = parser.quoted("a name for the object")?;
+    let wrong = if open_object(parser).is_some() {
+        Some(("nesting", "an object cannot be defined inside of another".to_owned()))
+    } else if parser.statements.objects.contains_key(&name) {
+        Some(("redefined-name", format!("there is an object \"{name}\" already")))
+    } else {
+        None
+    };
+    let refused = wrong.is_some();
+    if let Some((code, text)) = wrong {
+        parser.report.push(Diagnostic::error(code, text).at(name_span, "this object"));
+    } else {
+        parser.statements.objects.insert(name.clone(), super::state::ObjectStatement::default());
+    }
+    open(parser, BlockKind::Object((!refused).then_some(name)), span);
+    Ok(())
+}
+
+fn object_instance(parser: &mut Parser) -> Result<(), Reported> {
+    let (object, span) = parser.quoted("the name of an object")?;
+    if open_object(parser).is_some() {
+        let text = "an object cannot be used inside of another";
+        parser.report.push(Diagnostic::error("nesting", text).at(span, "used here"));
+        return Ok(());
+    }
+    let to_world = static_transform(parser, span);
+    parser.statements.instances.push(InstanceStatement { object, span, to_world });
+    Ok(())
+}
+
+fn option(parser: &mut Parser) -> Result<(), Reported> {
+    /// Options, and whether another value than false changes the image.
+    const OPTIONS: [(&str, bool); 10] = [
+        ("disablepixeljitter", true),
+        ("disabletexturefiltering", false),
+        ("disablewavelengthjitter", true),
+        ("displacementedgescale", false),
+        ("forcediffuse", true),
+        ("msereferenceimage", false),
+        ("msereferenceout", false),
+        ("pixelstats", false),
+        ("rendercoordsys", false),
+        ("wavefront", false),
+    ];
+    let (name, span) = parser.quoted("the name of an option")?;
+    let token = parser.next_token();
+    let Some(value) = token.filter(|t| matches!(t.kind, Kind::Word | Kind::Quoted)) else {
+        return Err(parser.unexpected(token, "the option's value"));
+    };
+    let value = parser.text(value).trim_matches('"').to_owned();
+    // pbrt takes no notice of letter case and of dashes and underscores.
+    let plain = name.to_ascii_lowercase().replace(['-', '_'], "");
+    if plain == "seed" {
+        match value.parse() {
+            Ok(seed) => parser.statements.seed = seed,
+            Err(_) => {
+                let text = format!("the seed {value} is no integer");
+                parser.report.push(Diagnostic::error("bad-value", text).at(span, "this option"));
+            }
+        }
+        return Ok(());
+    }
+    match OPTIONS.iter().find(|(known, _)| *known == plain) {
+        Some((_, matters)) if !matters || value == "false" => {}
+        Some(_) => {
+            let text = format!("the option \"{name}\" is not supported");
+            let diagnostic = Diagnostic::error("unsupported", text).at(span, "this option");
+            parser.report.unsupported(diagnostic, "it is left at false");
+        }
+        None => {
+            let text = format!("there is no option \"{name}\"");
+            let diagnostic = Diagnostic::error("unknown-name", text).at(span, "unknown option");
+            let known = OPTIONS.iter().map(|(known, _)| *known).chain(["seed"]);
+            parser.report.push(suggest(diagnostic, &plain, known));
+        }
+    }
+    Ok(())
+}
+
+fn world_begin(parser: &mut Parser) {
+    parser.in_world = true;
+    parser.graphics.transforms = [Affine::IDENTITY; 2];
+    parser.graphics.inactive = [false; 2];
+    parser.coordinate_systems.insert("world".to_owned(), [Affine::IDENTITY; 2]);
+}
+
+fn open(parser: &mut Parser, kind: BlockKind, span: Span) {
+    let saved = parser.graphics.clone();
+    parser.blocks.push(Block { kind, span, saved });
+}
+
+fn close(parser: &mut Parser, kind: &BlockKind, span: Span) {
+    let same = |a: &BlockKind| std::mem::discriminant(a) == std::mem::discriminant(kind);
+    let [begin, end] = kind.directives();
+    match parser.blocks.pop() {
+        Some(block) if same(&block.kind) => parser.graphics = block.saved,
+        Some(block) => {
+            let [open, expected] = block.kind.directives();
+            let text = format!("{end} does not close the innermost block, which {open} opened");
+            let diagnostic = Diagnostic::error("nesting", text).at(span, format!("expected {expected}"));
+            parser.report.push(diagnostic);
+            if parser.blocks.iter().any(|b| same(&b.kind)) {
+                // The inner block was left open: close it as well.
+                return close(parser, kind, span);
+            }
+            parser.blocks.push(block);
+        }
+        None => {
+            let text = format!("{end} without {begin}");
+            parser.report.push(Diagnostic::error("nesting", text).at(span, "closes nothing"));
+        }
+    }
+}
+
+/// Reports the innermost open block as never closed, and forgets it.
+pub(super) fn report_open_block(parser: &mut Parser) {
+    if let Some(block) = parser.blocks.pop() {
+        let [begin, end] = block.kind.directives();
+        let text = format!("{begin} without {end}");
+        parser.report.push(Diagnostic::error("nesting", text).at(block.span, "opened here, never closed"));
+    }
+}
+
+/// The current transform, which must not move.
+fn static_transform(parser: &mut Parser, span: Span) -> Affine {
+    let [start, end] = parser.graphics.transforms;
+    if start != end {
+        let diagnostic =
+            Diagnostic::error("unsupported", "motion is not supported").at(span, "moves while the shutter is open");
+        parser.report.unsupported(diagnostic, "it stays where it is at the start");
+    }
+    start
+}

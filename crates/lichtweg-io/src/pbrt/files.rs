@@ -1,0 +1,144 @@
+//! Meshes and images of a scene, loaded in parallel, each file once.
+
+use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use lichtweg::scene::description::{Diagnostic, Image, Mesh};
+use rayon::prelude::*;
+
+use super::params::Param;
+use super::report::Report;
+use super::winding;
+use crate::image::read_image;
+use crate::mesh;
+
+/// Packed files may not unpack to more.
+const MOST_UNPACKED: u64 = 16 << 30;
+
+/// A file's contents with what is doubtful about them, or what is wrong with it.
+type Loaded<T> = Result<(Arc<T>, Vec<String>), Diagnostic>;
+
+/// The files of a scene by path.
+#[derive(Default)]
+pub(super) struct Files {
+    meshes: Table<Mesh>,
+    images: Table<Image>,
+}
+
+struct Table<T> {
+    loaded: HashMap<PathBuf, Loaded<T>>,
+    /// Files whose warnings or errors have been told.
+    told: HashSet<PathBuf>,
+}
+
+impl<T> Default for Table<T> {
+    fn default() -> Self {
+        Self { loaded: HashMap::new(), told: HashSet::new() }
+    }
+}
+
+impl Files {
+    /// Loads all files of two lists, which may repeat themselves.
+    pub fn load(meshes: Vec<PathBuf>, images: Vec<PathBuf>) -> Self {
+        let (meshes, images) =
+            rayon::join(|| load_all(meshes, load_mesh), || load_all(images, load_image));
+        Self {
+            meshes: Table { loaded: meshes, told: HashSet::new() },
+            images: Table { loaded: images, told: HashSet::new() },
+        }
+    }
+
+    /// A mesh, its triangles turned to agree with its normals. `substitute` says what happens without it.
+    pub fn mesh(
+        &mut self,
+        path: &Path,
+        stated: &Param,
+        substitute: &str,
+        report: &mut Report,
+    ) -> Option<Arc<Mesh>> {
+        self.meshes.get(path, stated, substitute, report)
+    }
+
+    /// An image. `substitute` says what happens without it.
+    pub fn image(
+        &mut self,
+        path: &Path,
+        stated: &Param,
+        substitute: &str,
+        report: &mut Report,
+    ) -> Option<Arc<Image>> {
+        self.images.get(path, stated, substitute, report)
+    }
+}
+
+impl<T> Table<T> {
+    fn get(&mut self, path: &Path, stated: &Param, substitute: &str, report: &mut Report) -> Option<Arc<T>> {
+        let is_new = self.told.insert(path.to_owned());
+        match self.loaded.get(path)? {
+            Ok((contents, warnings)) => {
+                for warning in warnings.iter().filter(|_| is_new) {
+                    let diagnostic = Diagnostic::warning("doubtful-file", warning.clone());
+                    report.push(diagnostic.at(stated.values_span, "in this file"));
+                }
+                Some(contents.clone())
+            }
+            Err(error) => {
+                if is_new {
+                    report.unsupported(error.clone().at(stated.values_span, "this file"), substitute);
+                }
+                None
+            }
+        }
+    }
+}
+
+fn load_all<T: Send + Sync>(
+    mut paths: Vec<PathBuf>,
+    load: impl Fn(&Path) -> Loaded<T> + Sync,
+) -> HashMap<PathBuf, Loaded<T>> {
+    unique(&mut paths);
+    // Files differ in size by orders of magnitude: let idle threads take them one by one.
+    paths.into_par_iter().with_max_len(1).map(|path| (path.clone(), load(&path))).collect()
+}
+
+fn unique<T: Hash + Eq + Clone>(list: &mut Vec<T>) {
+    let mut seen = HashSet::new();
+    list.retain(|item| seen.insert(item.clone()));
+}
+
+fn load_mesh(path: &Path) -> Loaded<Mesh> {
+    let loaded = if has_extension(path, "gz") {
+        let bytes = read_bytes(path, MOST_UNPACKED).map_err(|why| unreadable("bad-mesh", path, &why))?;
+        mesh::parse_ply(&bytes, false)
+    } else {
+        mesh::read_ply(path, false)
+    };
+    let mut loaded = loaded.map_err(|error| error.diagnostic())?;
+    winding::agree_with_normals(&mut loaded.mesh);
+    Ok((Arc::new(loaded.mesh), loaded.warnings))
+}
+
+fn load_image(path: &Path) -> Loaded<Image> {
+    let loaded = read_image(path).map_err(|error| error.diagnostic())?;
+    Ok((Arc::new(loaded.image), loaded.warnings))
+}
+
+/// The bytes of a file of at most `most`, unpacked if its name ends in `.gz`.
+pub(super) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let bytes = mesh::read_regular_file(path).map_err(|(found, help)| format!("{found}; {help}"))?;
+    if has_extension(path, "gz") {
+        return super::parser::unpack(&bytes, most);
+    }
+    if bytes.len() as u64 > most { Err(format!("larger than {most} bytes")) } else { Ok(bytes) }
+}
+
+fn unreadable(code: &'static str, path: &Path, why: &str) -> Diagnostic {
+    Diagnostic::error(code, format!("{}: {why}", path.display()))
+}
+
+/// Whether a file's name ends in an extension, of any letter case.
+pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}

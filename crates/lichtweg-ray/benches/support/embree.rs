@@ -1,0 +1,153 @@
+//! Just enough of Embree 4's C interface, opened at run time, to measure against.
+
+use std::ffi::{c_char, c_void};
+use std::ptr::{null, null_mut};
+
+use lichtweg_ray::Ray;
+use libloading::Library;
+
+use super::scenes::Scene;
+
+/// RTCRayHit (with room to spare).
+#[derive(Clone, Copy, Default)]
+#[repr(C, align(16))]
+pub struct RayHit {
+    origin: [f32; 3],
+    tnear: f32,
+    direction: [f32; 3],
+    time: f32,
+    pub tfar: f32,
+    mask: u32,
+    id: u32,
+    flags: u32,
+    normal: [f32; 3],
+    pub u: f32,
+    pub v: f32,
+    pub primitive: u32,
+    pub geometry: u32,
+    instance: [u32; 8],
+}
+
+impl RayHit {
+    fn new(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.to_array(),
+            tnear: ray.tnear,
+            direction: ray.direction.to_array(),
+            tfar: ray.tfar,
+            mask: u32::MAX,
+            primitive: u32::MAX,
+            geometry: u32::MAX,
+            instance: [u32::MAX; 8],
+            ..Self::default()
+        }
+    }
+}
+
+type Handle = *mut c_void;
+type Query = unsafe extern "C" fn(Handle, *mut RayHit, *const c_void);
+
+/// A committed scene.
+pub struct Embree {
+    scene: Handle,
+    intersect: Query,
+    occluded: Query,
+    pub build_seconds: f64,
+    // The vertex buffer with the padding that Embree demands; shared with the scene.
+    _positions: Vec<f32>,
+    _indices: Vec<[u32; 3]>,
+    _library: &'static Library,
+}
+
+impl Embree {
+    /// Opens the library at `path`.
+    pub fn open(path: &str) -> Option<&'static Library> {
+        // SAFETY: the user names a libembree4.
+        match unsafe { Library::new(path) } {
+            Ok(library) => Some(Box::leak(Box::new(library))),
+            Err(e) => {
+                eprintln!("cannot open {path}: {e}");
+                None
+            }
+        }
+    }
+
+    /// Builds a scene: `quality` 1 is medium, 2 high; `flags` 4 is robust.
+    pub fn build(library: &'static Library, scene: &Scene, quality: i32, flags: i32) -> Self {
+        let mut positions: Vec<f32> = scene.positions.iter().flat_map(|p| p.to_array()).collect();
+        positions.push(0.0);
+        let indices = scene.indices.clone();
+        let config = std::env::var("EMBREE_CONFIG").unwrap_or_default() + "\0";
+        // SAFETY: names and signatures are those of rtcore.h; buffers live in the returned value.
+        unsafe {
+            let new_device: extern "C" fn(*const c_char) -> Handle = symbol(library, "rtcNewDevice");
+            let new_scene: extern "C" fn(Handle) -> Handle = symbol(library, "rtcNewScene");
+            let new_geometry: extern "C" fn(Handle, i32) -> Handle =
+                symbol(library, "rtcNewGeometry");
+            #[allow(clippy::type_complexity)]
+            let set_buffer: extern "C" fn(
+                Handle,
+                i32,
+                u32,
+                i32,
+                *const c_void,
+                usize,
+                usize,
+                usize,
+            ) = symbol(library, "rtcSetSharedGeometryBuffer");
+            let commit_geometry: extern "C" fn(Handle) = symbol(library, "rtcCommitGeometry");
+            let attach: extern "C" fn(Handle, Handle) -> u32 = symbol(library, "rtcAttachGeometry");
+            let set_quality: extern "C" fn(Handle, i32) =
+                symbol(library, "rtcSetSceneBuildQuality");
+            let set_flags: extern "C" fn(Handle, i32) = symbol(library, "rtcSetSceneFlags");
+            let commit: extern "C" fn(Handle) = symbol(library, "rtcCommitScene");
+
+            let device = new_device(config.as_ptr().cast());
+            assert!(!device.is_null());
+            let s = new_scene(device);
+            set_quality(s, quality);
+            set_flags(s, flags);
+            let g = new_geometry(device, 0);
+            let points = positions.as_ptr().cast();
+            set_buffer(g, 1, 0, 0x9003, points, 0, 12, scene.positions.len());
+            set_buffer(g, 0, 0, 0x5003, indices.as_ptr().cast(), 0, 12, indices.len());
+            commit_geometry(g);
+            attach(s, g);
+            let start = std::time::Instant::now();
+            commit(s);
+            Self {
+                scene: s,
+                intersect: symbol(library, "rtcIntersect1"),
+                occluded: symbol(library, "rtcOccluded1"),
+                build_seconds: start.elapsed().as_secs_f64(),
+                _positions: positions,
+                _indices: indices,
+                _library: library,
+            }
+        }
+    }
+
+    /// Closest hit; a miss has `geometry == u32::MAX`.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> RayHit {
+        let mut query = RayHit::new(ray);
+        // SAFETY: the scene is committed and the record is large and aligned enough.
+        unsafe { (self.intersect)(self.scene, &mut query, null()) };
+        query
+    }
+
+    /// Whether anything is hit.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let mut query = RayHit::new(ray);
+        // SAFETY: as above; RTCRay is the head of the record.
+        unsafe { (self.occluded)(self.scene, &mut query, null()) };
+        query.tfar < 0.0
+    }
+}
+
+unsafe fn symbol<T: Copy>(library: &'static Library, name: &str) -> T {
+    let _: *mut () = null_mut();
+    // SAFETY: the caller states the right type.
+    unsafe { *library.get::<T>(name.as_bytes()).expect("a symbol of Embree 4") }
+}

@@ -1,0 +1,7 @@
+//! What the benchmarks and examples share.
+#![allow(dead_code)]
+
+pub mod embree;
+pub mod random;
+pub mod rays;
+pub mod scenes;

@@ -1,0 +1,187 @@
+//! Checks the geometries and lists their primitives' boxes.
+//!
+//! A triangle's box is 3 * 2^-23 of its largest extent wider than exact, and one step of rounding: see
+//! `bvh::slab` for what this is needed for.
+
+use rayon::prelude::*;
+
+use crate::accel::BuildError;
+use crate::geometry::{Geometry, TriangleMesh};
+use crate::math::{Bounds3, Vec3};
+use crate::quadric::PlacedQuadric;
+use crate::simd::{Quad, QuadBox};
+
+/// Largest absolute coordinate that cannot overflow in a query: 2^60.
+pub(crate) const MAX_COORDINATE: f32 = 1.152_921_5e18;
+/// Triangles handled by one task; fixed, so that the order of primitives is.
+const CHUNK: usize = 1 << 14;
+
+/// A primitive's box; the fourth lanes hold the bits of the geometry's and the primitive's index.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Primitive {
+    pub bounds: QuadBox,
+}
+
+impl Primitive {
+    #[inline(always)]
+    fn new(lo: Vec3, hi: Vec3, geometry: u32, primitive: u32) -> Self {
+        Self {
+            bounds: QuadBox {
+                lo: Quad::new(lo.x, lo.y, lo.z, f32::from_bits(geometry)),
+                hi: Quad::new(hi.x, hi.y, hi.z, f32::from_bits(primitive)),
+            },
+        }
+    }
+
+    /// Twice the centre of the box (the fourth lane is meaningless).
+    #[inline(always)]
+    pub(crate) fn center2(&self) -> Quad {
+        self.bounds.lo.add(self.bounds.hi)
+    }
+
+    #[inline(always)]
+    pub(crate) fn geometry(&self) -> u32 {
+        self.bounds.lo.to_array()[3].to_bits()
+    }
+
+    #[inline(always)]
+    pub(crate) fn primitive(&self) -> u32 {
+        self.bounds.hi.to_array()[3].to_bits()
+    }
+}
+
+/// All primitives of a scene, and what was left out.
+pub(crate) struct Census {
+    pub primitives: Vec<Primitive>,
+    pub quadrics: Vec<PlacedQuadric>,
+    /// Exact bounds of what can be hit.
+    pub bounds: Bounds3,
+    pub triangles: usize,
+    pub dropped_degenerate: usize,
+    pub dropped_non_finite: usize,
+}
+
+impl Default for Census {
+    fn default() -> Self {
+        Self {
+            primitives: Vec::new(),
+            quadrics: Vec::new(),
+            bounds: Bounds3::EMPTY,
+            triangles: 0,
+            dropped_degenerate: 0,
+            dropped_non_finite: 0,
+        }
+    }
+}
+
+/// What one task made of its triangles.
+struct Chunk {
+    primitives: Vec<Primitive>,
+    bounds: Bounds3,
+    dropped_degenerate: usize,
+    dropped_non_finite: usize,
+}
+
+/// Checks and lists the primitives in order of geometry, then index. A quadric's primitive index is its
+/// place in the list of quadrics.
+pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
+    let mut all = Census::default();
+    if u32::try_from(geometries.len()).is_err() {
+        return Err(BuildError::TooLarge { primitives: geometries.len() });
+    }
+    for (geometry, g) in (0..).zip(geometries) {
+        match g {
+            Geometry::Triangles(mesh) => add_triangles(&mut all, geometry, mesh)?,
+            Geometry::Quadric(quadric) => {
+                if let Some(reason) = quadric.shape.fault() {
+                    return Err(BuildError::InvalidQuadric { geometry, reason });
+                }
+                let bounds = quadric.bounds();
+                let placed = quadric.place(geometry);
+                let in_range = |p: Vec3| p.abs().max_element() <= MAX_COORDINATE;
+                let Some(placed) = placed.filter(|_| in_range(bounds.min) && in_range(bounds.max))
+                else {
+                    return Err(BuildError::SingularTransform { geometry });
+                };
+                all.bounds = all.bounds.union(bounds);
+                let index = all.quadrics.len() as u32;
+                all.primitives.push(Primitive::new(bounds.min, bounds.max, geometry, index));
+                all.quadrics.push(placed);
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn add_triangles(all: &mut Census, geometry: u32, mesh: &TriangleMesh) -> Result<(), BuildError> {
+    if u32::try_from(mesh.indices.len()).is_err() {
+        return Err(BuildError::TooLarge { primitives: mesh.indices.len() });
+    }
+    let chunks: Vec<Chunk> = mesh
+        .indices
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(i, indices)| list(geometry, mesh, (i * CHUNK) as u32, indices))
+        .collect::<Result<_, _>>()?;
+    all.primitives.reserve(chunks.iter().map(|c| c.primitives.len()).sum());
+    for chunk in chunks {
+        all.bounds = all.bounds.union(chunk.bounds);
+        all.triangles += chunk.primitives.len();
+        all.dropped_degenerate += chunk.dropped_degenerate;
+        all.dropped_non_finite += chunk.dropped_non_finite;
+        all.primitives.extend_from_slice(&chunk.primitives);
+    }
+    Ok(())
+}
+
+fn list(
+    geometry: u32,
+    mesh: &TriangleMesh,
+    first: u32,
+    indices: &[[u32; 3]],
+) -> Result<Chunk, BuildError> {
+    let mut chunk = Chunk {
+        primitives: Vec::with_capacity(indices.len()),
+        bounds: Bounds3::EMPTY,
+        dropped_degenerate: 0,
+        dropped_non_finite: 0,
+    };
+    for (primitive, index) in (first..).zip(indices) {
+        let mut corners = [Vec3::ZERO; 3];
+        for (corner, &i) in corners.iter_mut().zip(index) {
+            *corner = *mesh.positions.get(i as usize).ok_or(BuildError::IndexOutOfRange {
+                geometry,
+                primitive,
+                index: i,
+                vertices: mesh.positions.len(),
+            })?;
+        }
+        if !corners.iter().all(|c| c.is_finite() && c.abs().max_element() <= MAX_COORDINATE) {
+            chunk.dropped_non_finite += 1;
+        } else if has_no_area(corners) {
+            chunk.dropped_degenerate += 1;
+        } else {
+            let exact = Bounds3::of(corners);
+            chunk.bounds = chunk.bounds.union(exact);
+            let (lo, hi) = padded(exact);
+            chunk.primitives.push(Primitive::new(lo, hi, geometry, primitive));
+        }
+    }
+    Ok(chunk)
+}
+
+/// Whether the corners lie on a line, as far as `f64` can tell.
+fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
+    let wide = |v: Vec3| v.to_array().map(f64::from);
+    let (a, b, c) = (wide(a), wide(b), wide(c));
+    let e: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
+    let f: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
+    e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
+}
+
+fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> (Vec3, Vec3) {
+    let margin = (hi - lo).max_element() * (3.0 * 2.0_f32.powi(-23));
+    let step = 0.51 * f32::EPSILON;
+    let outwards = |p: Vec3| p.abs() * step + Vec3::splat(margin);
+    (lo - outwards(lo), hi + outwards(hi))
+}

@@ -1,0 +1,170 @@
+//! Memory layout: nodes of eight boxes, blocks of eight triangles, both one vector register a quantity.
+
+use crate::math::{Bounds3, Vec3};
+use crate::memory::Pages;
+use crate::simd::WIDTH;
+
+/// A child of a node: an inner node, a leaf of triangle blocks, or a leaf of other primitives.
+///
+/// Bit 31: leaf; bit 30: other primitives; bits 27 to 29: number of blocks or primitives minus one;
+/// bits 0 to 26: index of the first. Inner nodes use 31 bits of index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct ChildRef(pub u32);
+
+impl ChildRef {
+    const LEAF: u32 = 1 << 31;
+    const OTHER: u32 = 1 << 30;
+    const INDEX_BITS: u32 = 27;
+    /// Largest number of items in a leaf: triangle blocks or other primitives.
+    pub(crate) const MAX_ITEMS: usize = 8;
+    /// Largest number of indices in one array.
+    pub(crate) const MAX_INDEX: usize = 1 << Self::INDEX_BITS;
+    /// What an unused slot holds: the leaf of the empty block 0 of a finished tree.
+    pub(crate) const NOTHING: Self = Self(Self::LEAF);
+    /// What an unused slot holds in an unfinished part of a tree.
+    pub(crate) const UNUSED: Self = Self(Self::LEAF | (Self::MAX_INDEX as u32 - 1));
+
+    pub(crate) fn inner(index: usize) -> Self {
+        debug_assert!(index < 1 << 31);
+        Self(index as u32)
+    }
+
+    pub(crate) fn triangles(first_block: usize, blocks: usize) -> Self {
+        Self(Self::LEAF | Self::items(first_block, blocks))
+    }
+
+    pub(crate) fn others(first: usize, count: usize) -> Self {
+        Self(Self::LEAF | Self::OTHER | Self::items(first, count))
+    }
+
+    fn items(first: usize, count: usize) -> u32 {
+        debug_assert!((1..=Self::MAX_ITEMS).contains(&count) && first < Self::MAX_INDEX);
+        (count as u32 - 1) << Self::INDEX_BITS | first as u32
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_other(self) -> bool {
+        self.0 & Self::OTHER != 0
+    }
+
+    /// Index of an inner node.
+    #[inline(always)]
+    pub(crate) fn node(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The items of a leaf: first and count.
+    #[inline(always)]
+    pub(crate) fn leaf(self) -> (usize, usize) {
+        let first = self.0 & ((1 << Self::INDEX_BITS) - 1);
+        (first as usize, (self.0 >> Self::INDEX_BITS & 7) as usize + 1)
+    }
+
+    /// The same child after the arrays it points into were appended to others.
+    pub(crate) fn shifted(self, nodes: usize, blocks: usize, others: usize) -> Self {
+        if self == Self::UNUSED {
+            return Self::NOTHING;
+        }
+        let by = match (self.is_leaf(), self.is_other()) {
+            (false, _) => nodes,
+            (true, false) => blocks,
+            (true, true) => others,
+        };
+        Self(self.0 + by as u32)
+    }
+}
+
+/// Eight child boxes and what is in them: four cache lines.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Node {
+    /// min x, max x, min y, max y, min z, max z of the children; unused slots hold the empty box.
+    pub planes: [[f32; WIDTH]; 6],
+    pub children: [ChildRef; WIDTH],
+    pub unused: [u32; WIDTH],
+}
+
+impl Node {
+    pub(crate) const EMPTY: Self = Self {
+        planes: {
+            let (lo, hi) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+            [lo, hi, lo, hi, lo, hi]
+        },
+        children: [ChildRef::UNUSED; WIDTH],
+        unused: [0; WIDTH],
+    };
+
+    pub(crate) fn set(&mut self, slot: usize, bounds: &Bounds3, child: ChildRef) {
+        for axis in 0..3 {
+            self.planes[2 * axis][slot] = bounds.min[axis];
+            self.planes[2 * axis + 1][slot] = bounds.max[axis];
+        }
+        self.children[slot] = child;
+    }
+}
+
+/// Corners of eight triangles: `corners[vertex][axis][lane]`; unused lanes hold NaN.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct Block {
+    pub corners: [[[f32; WIDTH]; 3]; 3],
+}
+
+impl Block {
+    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
+
+    pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3]) {
+        for (to, from) in self.corners.iter_mut().zip(corners) {
+            for axis in 0..3 {
+                to[axis][lane] = from[axis];
+            }
+        }
+    }
+
+    pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane]))
+    }
+}
+
+/// Which triangle a lane of a block holds; ordered by geometry, then primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TriangleId {
+    pub geometry: u32,
+    pub primitive: u32,
+}
+
+impl TriangleId {
+    /// What an unused lane holds.
+    pub(crate) const NONE: Self = Self { geometry: u32::MAX, primitive: u32::MAX };
+}
+
+/// The hierarchy.
+#[derive(Debug)]
+pub(crate) struct Bvh {
+    pub root: ChildRef,
+    pub nodes: Pages<Node>,
+    /// Block 0 is empty.
+    pub blocks: Pages<Block>,
+    /// One for each lane of each block, apart from the corners because only hits need them.
+    pub ids: Pages<[TriangleId; WIDTH]>,
+    /// Indices into the list of other primitives, in leaf order.
+    pub others: Pages<u32>,
+    /// Largest absolute coordinate of the bounds.
+    pub reach: f32,
+}
+
+impl Bvh {
+    /// Memory of all arrays.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.blocks)
+            + size_of_val(&*self.ids)
+            + size_of_val(&*self.others)
+    }
+}

@@ -1,0 +1,10 @@
+//! The wide bounding volume hierarchy: its layout and how a ray goes through it.
+
+mod layout;
+mod query;
+mod slab;
+mod traverse;
+
+pub(crate) use layout::{Block, Bvh, ChildRef, Node, TriangleId};
+pub(crate) use query::{closest, occluded};
+pub(crate) use traverse::{MAX_DEPTH, Others};

@@ -1,0 +1,50 @@
+//! What can be hit.
+
+use std::sync::Arc;
+
+use crate::math::Vec3;
+use crate::quadric::Quadric;
+
+/// An indexed triangle mesh. Clones share their arrays.
+#[derive(Clone, Debug)]
+pub struct TriangleMesh {
+    /// Vertex positions in world space.
+    pub positions: Arc<[Vec3]>,
+    /// Three positions a triangle; the counter-clockwise side is the front.
+    pub indices: Arc<[[u32; 3]]>,
+}
+
+impl TriangleMesh {
+    /// A mesh from its arrays; [`crate::Accel::build`] checks them.
+    pub fn new(positions: impl Into<Arc<[Vec3]>>, indices: impl Into<Arc<[[u32; 3]]>>) -> Self {
+        Self { positions: positions.into(), indices: indices.into() }
+    }
+
+    /// The corners of triangle `primitive`. Panics where an index is out of range.
+    #[inline]
+    pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.indices[primitive as usize].map(|i| self.positions[i as usize])
+    }
+}
+
+/// One geometry of a scene; a [`crate::Hit`] names it by its index in the list it was built from.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Geometry {
+    /// A triangle mesh.
+    Triangles(TriangleMesh),
+    /// A quadric under an affine map.
+    Quadric(Quadric),
+}
+
+impl From<TriangleMesh> for Geometry {
+    fn from(mesh: TriangleMesh) -> Self {
+        Self::Triangles(mesh)
+    }
+}
+
+impl From<Quadric> for Geometry {
+    fn from(quadric: Quadric) -> Self {
+        Self::Quadric(quadric)
+    }
+}

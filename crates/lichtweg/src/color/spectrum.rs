@@ -1,0 +1,121 @@
+//! Four `f32` lanes carried along every path.
+//!
+//! In RGB mode the lanes are linear sRGB red, green, blue, and blue again: a copy rather than a zero, so that no
+//! quotient of spectra makes a NaN that the three used lanes do not have. In spectral mode they are four hero
+//! wavelengths (Wilkie et al. 2014). Transport code treats all lanes alike and never asks which mode it is in.
+
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
+
+/// Number of lanes.
+const LANES: usize = 4;
+
+/// A radiometric quantity, or a factor on one, in each of four lanes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(16))]
+pub struct Spectrum(pub [f32; LANES]);
+
+impl Spectrum {
+    /// Zero in every lane.
+    pub const ZERO: Self = Self::splat(0.0);
+    /// One in every lane.
+    pub const ONE: Self = Self::splat(1.0);
+
+    /// The same in every lane.
+    #[inline]
+    pub const fn splat(v: f32) -> Self {
+        Self([v; LANES])
+    }
+
+    /// RGB mode: linear sRGB.
+    #[inline]
+    pub const fn rgb([r, g, b]: [f32; 3]) -> Self {
+        Self([r, g, b, b])
+    }
+
+    /// RGB mode: the first three lanes.
+    #[inline]
+    pub const fn to_rgb(self) -> [f32; 3] {
+        [self.0[0], self.0[1], self.0[2]]
+    }
+
+    /// `f` of each lane.
+    #[inline]
+    pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        Self(self.0.map(f))
+    }
+
+    /// `f` of each pair of lanes.
+    #[inline]
+    pub fn zip(self, o: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], o.0[i])))
+    }
+
+    /// Square root of each lane.
+    #[inline]
+    pub fn sqrt(self) -> Self {
+        self.map(f32::sqrt)
+    }
+
+    /// Each lane, but at least `low`.
+    #[inline]
+    pub fn max_scalar(self, low: f32) -> Self {
+        self.map(|v| v.max(low))
+    }
+
+    /// Largest lane.
+    #[inline]
+    pub fn max_element(self) -> f32 {
+        let [a, b, c, d] = self.0;
+        a.max(b).max(c.max(d))
+    }
+
+    /// Whether every lane is zero.
+    #[inline]
+    pub fn is_zero(self) -> bool {
+        self.0 == [0.0; LANES]
+    }
+
+    /// Whether every lane is finite and none is negative: what radiance has to be.
+    #[inline]
+    pub fn is_valid_radiance(self) -> bool {
+        // One comparison a lane: NaN and negative numbers fail the first, infinity the second.
+        self.0.iter().all(|&v| (0.0..f32::INFINITY).contains(&v))
+    }
+}
+
+macro_rules! lanewise {
+    ($($op:ident $f:ident $o:tt),+) => {$(
+        impl $op for Spectrum {
+            type Output = Self;
+            #[inline]
+            fn $f(self, rhs: Self) -> Self { self.zip(rhs, |a, b| a $o b) }
+        }
+        impl $op<f32> for Spectrum {
+            type Output = Self;
+            #[inline]
+            fn $f(self, rhs: f32) -> Self { self.map(|a| a $o rhs) }
+        }
+    )+};
+}
+lanewise!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl AddAssign for Spectrum {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl MulAssign for Spectrum {
+    #[inline]
+    fn mul_assign(&mut self, o: Self) {
+        *self = *self * o;
+    }
+}
+
+impl MulAssign<f32> for Spectrum {
+    #[inline]
+    fn mul_assign(&mut self, s: f32) {
+        *self = *self * s;
+    }
+}

@@ -1,0 +1,264 @@
+//! Shapes that emit.
+//!
+//! Points are chosen uniformly over the triangles of a mesh, over the parameters of a quadric, or, for a whole sphere
+//! seen from outside, over the cone of directions that it fills (Shirley, Wang and Zimmerman 1996).
+
+use std::f32::consts::TAU;
+
+use lichtweg_montecarlo::{distribution::AliasTable, warp};
+use lichtweg_ray::QuadricShape;
+use lichtweg_ray::math::{Vec2, Vec3};
+
+use super::LightSample;
+use crate::bsdf::Frame;
+use crate::color::Spectrum;
+use crate::scene::{Form, MeshForm, QuadricForm, SurfacePoint, offset};
+use crate::texture::{Input, TextureArena};
+
+/// An emitting shape.
+#[derive(Debug)]
+pub struct AreaLight {
+    /// The shape.
+    pub shape: u32,
+    /// Emitted radiance, before `factor`.
+    pub radiance: Input,
+    /// Multiplies `radiance`.
+    pub factor: f32,
+    /// Emit from both sides.
+    pub two_sided: bool,
+    /// How points on it are chosen.
+    pub sampling: EmissionSampling,
+}
+
+/// How points on an emitting shape are chosen.
+#[derive(Debug)]
+pub enum EmissionSampling {
+    /// A triangle by its area, then a point on it uniformly.
+    Triangles {
+        /// Over the triangles.
+        table: AliasTable,
+        /// Sum of their areas.
+        area: f32,
+    },
+    /// The cone of directions to a whole sphere; from inside, its surface uniformly.
+    Sphere {
+        /// In the world.
+        center: Vec3,
+        /// In the world.
+        radius: f32,
+    },
+    /// The parameters of a quadric uniformly by its area in object space.
+    Quadric,
+}
+
+impl EmissionSampling {
+    /// The sampling that suits a form; `None` where it has no area.
+    pub fn new(form: &Form) -> Option<Self> {
+        match form {
+            Form::Mesh(mesh) => {
+                let areas: Vec<f64> =
+                    (0..mesh.triangles.len() as u32).map(|i| triangle_area(mesh, i)).collect();
+                let table = AliasTable::new(&areas).ok()?;
+                Some(Self::Triangles { table, area: areas.iter().sum::<f64>() as f32 })
+            }
+            Form::Quadric(quadric) => Some(match whole_sphere(quadric) {
+                Some((center, radius)) => Self::Sphere { center, radius },
+                None => Self::Quadric,
+            }),
+        }
+    }
+}
+
+/// Area in f64; a triangle that the ray engine drops, because it has none or is not finite, has none here.
+fn triangle_area(mesh: &MeshForm, primitive: u32) -> f64 {
+    let area = 0.5 * f64::from(mesh.area_normal(primitive).length());
+    if area.is_finite() { area } else { 0.0 }
+}
+
+/// Centre and radius, if the quadric is an uncut sphere under a similarity.
+fn whole_sphere(quadric: &QuadricForm) -> Option<(Vec3, f32)> {
+    let QuadricShape::Sphere { z_min, z_max, phi_max } = quadric.shape else { return None };
+    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| quadric.to_world.vector(axis));
+    let radius = x.length();
+    let close = |a: f32, b: f32| (a - b).abs() <= 1e-5 * radius;
+    let similar = close(y.length(), radius) && close(z.length(), radius);
+    let square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|d| d.abs() <= 1e-5 * radius * radius);
+    let whole = z_min <= -1.0 && z_max >= 1.0 && phi_max >= TAU * (1.0 - 1e-6);
+    (similar && square && whole).then(|| (quadric.to_world.point(Vec3::ZERO), radius))
+}
+
+impl AreaLight {
+    /// Radiance that leaves a point on it in a direction.
+    #[inline]
+    pub fn radiance(&self, point: &SurfacePoint, outgoing: Vec3, textures: &TextureArena) -> Spectrum {
+        if self.two_sided || point.geometric_normal.dot(outgoing) > 0.0 {
+            textures.eval(self.radiance, point.uv) * self.factor
+        } else {
+            Spectrum::ZERO
+        }
+    }
+
+    /// See [`Light::sample`](super::Light::sample).
+    #[inline]
+    pub fn sample(
+        &self,
+        from: Vec3,
+        u: [f32; 2],
+        form: &Form,
+        textures: &TextureArena,
+    ) -> Option<LightSample> {
+        let point = match (&self.sampling, form) {
+            (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) => {
+                let pick = table.sample(u[0]);
+                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
+                mesh.point(self.shape, pick.index as u32, b, c)
+            }
+            (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
+                match cone(*center, *radius, from) {
+                    Some(cone) => self.point_in_cone(&cone, *center, *radius, u, quadric),
+                    None => quadric_point(quadric, self.shape, u),
+                }
+            }
+            (_, Form::Quadric(quadric)) => quadric_point(quadric, self.shape, u),
+            _ => return None,
+        };
+        let direction = (point.position - from).try_normalized()?;
+        let radiance = self.radiance(&point, -direction, textures);
+        let pdf = self.pdf(from, &point, direction, form);
+        (!radiance.is_zero() && pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+            direction,
+            target: Some(point.leave(-direction)),
+            radiance,
+            pdf,
+            delta: false,
+        })
+    }
+
+    /// Density per solid angle at `from` with which [`AreaLight::sample`] chooses the direction to `point`.
+    #[inline]
+    pub fn pdf(&self, from: Vec3, point: &SurfacePoint, direction: Vec3, form: &Form) -> f32 {
+        let pdf_area = match (&self.sampling, form) {
+            (EmissionSampling::Triangles { area, .. }, _) => 1.0 / area,
+            (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
+                if let Some(cone) = cone(*center, *radius, from) {
+                    return warp::uniform_cone_pdf(cone.one_minus_cos);
+                }
+                quadric_pdf_area(quadric, point)
+            }
+            (_, Form::Quadric(quadric)) => quadric_pdf_area(quadric, point),
+            _ => 0.0,
+        };
+        // dw = cos dA / d^2
+        let distance_squared = (point.position - from).length_squared();
+        pdf_area * distance_squared / point.geometric_normal.dot(direction).abs()
+    }
+
+    fn point_in_cone(
+        &self,
+        cone: &Cone,
+        center: Vec3,
+        radius: f32,
+        u: [f32; 2],
+        quadric: &QuadricForm,
+    ) -> SurfacePoint {
+        let local = warp::uniform_cone(u, cone.one_minus_cos);
+        let frame = Frame::from_normal(cone.axis);
+        let direction = frame.to_world(Vec3::from_array(local));
+        // The nearer intersection with the sphere, as the direction from its centre (Pharr et al. 2023, section 6.2.4).
+        let cos_theta = 1.0 - u[0] * cone.one_minus_cos;
+        let sin_theta_squared = local[0] * local[0] + local[1] * local[1];
+        let d = cone.distance;
+        let along = d * cos_theta - (radius * radius - d * d * sin_theta_squared).max(0.0).sqrt();
+        let normal = (direction * along - cone.axis * d).normalized();
+        let position = center + normal * radius;
+        SurfacePoint {
+            position,
+            error: offset::position_error(center.abs() + Vec3::splat(radius)),
+            geometric_normal: normal * quadric.orientation,
+            shading_normal: normal * quadric.orientation,
+            uv: Vec2::ZERO,
+            shape: self.shape,
+            primitive: 0,
+        }
+    }
+}
+
+/// The directions in which a sphere is seen.
+struct Cone {
+    axis: Vec3,
+    distance: f32,
+    one_minus_cos: f32,
+}
+
+/// `None` from inside the sphere, or so near that the cone is no better than its surface.
+#[inline]
+fn cone(center: Vec3, radius: f32, from: Vec3) -> Option<Cone> {
+    let to_center = center - from;
+    let distance_squared = to_center.length_squared();
+    let sin_squared = radius * radius / distance_squared;
+    if sin_squared >= 0.999_999 {
+        return None;
+    }
+    let distance = distance_squared.sqrt();
+    Some(Cone { axis: to_center / distance, distance, one_minus_cos: warp::one_minus_cos(sin_squared) })
+}
+
+/// A point on a quadric, uniform by the area of its object-space form.
+fn quadric_point(quadric: &QuadricForm, shape: u32, [u, v]: [f32; 2]) -> SurfacePoint {
+    let azimuth = |phi_max: f32| (u * phi_max).sin_cos();
+    let (p, uv) = match quadric.shape {
+        QuadricShape::Sphere { z_min, z_max, phi_max } => {
+            // Archimedes: height is uniform over a sphere's area.
+            let (low, high) = (z_min.max(-1.0), z_max.min(1.0));
+            let z = low + v * (high - low);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let (sin, cos) = azimuth(phi_max);
+            let angle = (z.acos() - low.acos()) / (high.acos() - low.acos());
+            (Vec3::new(r * cos, r * sin, z), Vec2::new(u, angle))
+        }
+        QuadricShape::Disk { inner_radius, phi_max } => {
+            let r = (inner_radius * inner_radius * (1.0 - v) + v).sqrt();
+            let (sin, cos) = azimuth(phi_max);
+            (Vec3::new(r * cos, r * sin, 0.0), Vec2::new(u, (1.0 - r) / (1.0 - inner_radius)))
+        }
+        QuadricShape::Cylinder { z_min, z_max, phi_max } => {
+            let (sin, cos) = azimuth(phi_max);
+            (Vec3::new(cos, sin, z_min + v * (z_max - z_min)), Vec2::new(u, v))
+        }
+    };
+    quadric.object_point(shape, p, uv)
+}
+
+/// Density per world area of [`quadric_point`]: that in object space over the map's stretch of the surface there.
+fn quadric_pdf_area(quadric: &QuadricForm, point: &SurfacePoint) -> f32 {
+    let object_area = match quadric.shape {
+        QuadricShape::Sphere { z_min, z_max, phi_max } => phi_max * (z_max.min(1.0) - z_min.max(-1.0)),
+        QuadricShape::Disk { inner_radius, phi_max } => 0.5 * phi_max * (1.0 - inner_radius * inner_radius),
+        QuadricShape::Cylinder { z_min, z_max, phi_max } => phi_max * (z_max - z_min),
+    };
+    let normal = quadric.object_normal(quadric.to_object.point(point.position)).normalized();
+    // The cofactor matrix turns object-space area vectors into those of the world.
+    let stretch = quadric.normal_to_world.vector(normal).length();
+    1.0 / (object_area * stretch)
+}
+
+impl AreaLight {
+    /// Area of the shape.
+    pub fn area(&self, form: &Form) -> f32 {
+        match (&self.sampling, form) {
+            (EmissionSampling::Triangles { area, .. }, _) => *area,
+            (EmissionSampling::Sphere { radius, .. }, _) => 2.0 * TAU * radius * radius,
+            (EmissionSampling::Quadric, Form::Quadric(quadric)) => {
+                // The mean of 1 / density over the density is the area; exact for disks, cylinders and similarities.
+                const GRID: usize = 16;
+                let cell = |i: usize| (i as f32 + 0.5) / GRID as f32;
+                let inverse_pdf = |i: usize| {
+                    let point = quadric_point(quadric, self.shape, [cell(i % GRID), cell(i / GRID)]);
+                    1.0 / quadric_pdf_area(quadric, &point)
+                };
+                (0..GRID * GRID).map(inverse_pdf).sum::<f32>() / (GRID * GRID) as f32
+            }
+            (EmissionSampling::Quadric, Form::Mesh(_)) => 0.0,
+        }
+    }
+}

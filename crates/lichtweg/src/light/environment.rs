@@ -1,0 +1,272 @@
+//! Light from infinitely far around the scene.
+
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+use lichtweg_montecarlo::{distribution::PiecewiseConstant2D, warp};
+use lichtweg_ray::math::{Affine, Vec3};
+
+use super::LightSample;
+use crate::color::{Spectrum, luminance};
+use crate::scene::description::{EnvironmentMapping, Image};
+
+/// The surroundings.
+#[derive(Debug)]
+pub enum Environment {
+    /// The same from everywhere.
+    Constant(ConstantEnvironment),
+    /// An image.
+    Map(MapEnvironment),
+}
+
+impl Environment {
+    /// Radiance that arrives from a direction.
+    #[inline]
+    pub fn radiance(&self, direction: Vec3) -> Spectrum {
+        match self {
+            Self::Constant(e) => e.radiance,
+            Self::Map(e) => e.radiance(direction),
+        }
+    }
+
+    /// Density per solid angle with which [`Environment::sample`] chooses a direction.
+    #[inline]
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        match self {
+            Self::Constant(_) => warp::UNIFORM_SPHERE_PDF,
+            Self::Map(e) => e.pdf(direction),
+        }
+    }
+
+    /// See [`Light::sample`](super::Light::sample).
+    #[inline]
+    pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
+        let (direction, pdf) = match self {
+            Self::Constant(_) => (Vec3::from_array(warp::uniform_sphere(u)), warp::UNIFORM_SPHERE_PDF),
+            Self::Map(e) => e.sample(u)?,
+        };
+        let radiance = self.radiance(direction);
+        (!radiance.is_zero()).then_some(LightSample { direction, target: None, radiance, pdf, delta: false })
+    }
+
+    /// Mean radiance over all directions.
+    pub fn mean(&self) -> Spectrum {
+        match self {
+            Self::Constant(e) => e.radiance,
+            Self::Map(e) => e.mean,
+        }
+    }
+}
+
+/// The same radiance from everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantEnvironment {
+    /// In W / (m^2 sr).
+    pub radiance: Spectrum,
+}
+
+/// An image of the surroundings, sampled by luminance and the solid angle of its texels.
+///
+/// A latitude-longitude map is read bilinearly, and sampled by the largest texel that reaches into each cell, so that no
+/// direction with radiance has density zero; an octahedral map is read by the nearest texel, as pbrt does.
+#[derive(Debug)]
+pub struct MapEnvironment {
+    width: usize,
+    height: usize,
+    texels: Vec<[f32; 3]>,
+    mapping: EnvironmentMapping,
+    to_world: [Vec3; 3],
+    distribution: PiecewiseConstant2D,
+    mean: Spectrum,
+}
+
+impl MapEnvironment {
+    /// A map whose space is turned into the world by `to_world`, every value multiplied by `scale`. `None` where the image is
+    /// black or has a value that is no radiance, or the map no rotation or reflection.
+    pub fn new(image: &Image, mapping: EnvironmentMapping, to_world: &Affine, scale: f32) -> Option<Self> {
+        let (width, height) = (image.width as usize, image.height as usize);
+        let mut texels = image.to_linear_rgb(true);
+        texels.iter_mut().for_each(|t| *t = t.map(|v| v * scale));
+        if !texels.iter().flatten().all(|v| (0.0..f32::INFINITY).contains(v)) {
+            return None;
+        }
+        let mut axes = [Vec3::ZERO; 3];
+        for (axis, unit) in axes.iter_mut().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
+            *axis = to_world.vector(unit).try_normalized()?;
+        }
+        let weights = match mapping {
+            EnvironmentMapping::LatitudeLongitude => latitude_longitude_weights(&texels, width, height),
+            EnvironmentMapping::EqualAreaOctahedral => texels.iter().map(|t| max(*t)).collect(),
+        };
+        let distribution = PiecewiseConstant2D::new(width, height, &weights).ok()?;
+        let mean = mean(&texels, width, height, mapping);
+        Some(Self { width, height, texels, mapping, to_world: axes, distribution, mean })
+    }
+
+    /// Radiance that arrives from a direction.
+    pub fn radiance(&self, direction: Vec3) -> Spectrum {
+        let local = self.to_local(direction);
+        Spectrum::rgb(match self.mapping {
+            EnvironmentMapping::LatitudeLongitude => {
+                let [u, v] = latitude_longitude(local);
+                self.bilinear(u * self.width as f32 - 0.5, v * self.height as f32 - 0.5)
+            }
+            EnvironmentMapping::EqualAreaOctahedral => {
+                let [x, y] = octahedral_square(local);
+                let clamp = |c: f32, n: usize| ((c * n as f32) as usize).min(n - 1);
+                self.texels[clamp(y, self.height) * self.width + clamp(x, self.width)]
+            }
+        })
+    }
+
+    /// Density per solid angle with which [`MapEnvironment::sample`] chooses a direction.
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        let local = self.to_local(direction);
+        match self.mapping {
+            EnvironmentMapping::LatitudeLongitude => {
+                let sin_theta = (1.0 - local.y * local.y).max(0.0).sqrt();
+                latitude_longitude_pdf(self.distribution.pdf(latitude_longitude(local)), sin_theta)
+            }
+            EnvironmentMapping::EqualAreaOctahedral => {
+                self.distribution.pdf(octahedral_square(local)) * warp::UNIFORM_SPHERE_PDF
+            }
+        }
+    }
+
+    /// A direction and its density per solid angle.
+    pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        let ([x, y], pdf) = self.distribution.sample(u);
+        let (local, pdf) = match self.mapping {
+            EnvironmentMapping::LatitudeLongitude => {
+                let (sin_theta, cos_theta) = (y * PI).sin_cos();
+                let (sin_phi, cos_phi) = (x * TAU).sin_cos();
+                let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+                (local, latitude_longitude_pdf(pdf, sin_theta))
+            }
+            EnvironmentMapping::EqualAreaOctahedral => {
+                (octahedral_direction([x, y]), pdf * warp::UNIFORM_SPHERE_PDF)
+            }
+        };
+        let [x, y, z] = self.to_world;
+        (pdf > 0.0).then(|| (x * local.x + y * local.y + z * local.z, pdf))
+    }
+
+    fn to_local(&self, direction: Vec3) -> Vec3 {
+        let [x, y, z] = self.to_world;
+        Vec3::new(direction.dot(x), direction.dot(y), direction.dot(z))
+    }
+
+    /// Between texel centres; round the horizon, and clamped at the poles.
+    fn bilinear(&self, x: f32, y: f32) -> [f32; 3] {
+        let (x0, y0) = (x.floor(), y.floor());
+        let (s, t) = (x - x0, y - y0);
+        let column = |x: f32| (x as i64).rem_euclid(self.width as i64) as usize;
+        let row = |y: f32| (y as i64).clamp(0, self.height as i64 - 1) as usize;
+        let at = |x: f32, y: f32| self.texels[row(y) * self.width + column(x)];
+        let (a, b, c, d) = (at(x0, y0), at(x0 + 1.0, y0), at(x0, y0 + 1.0), at(x0 + 1.0, y0 + 1.0));
+        std::array::from_fn(|i| (a[i] * (1.0 - s) + b[i] * s) * (1.0 - t) + (c[i] * (1.0 - s) + d[i] * s) * t)
+    }
+}
+
+/// (u, v) in [0, 1)^2 of a unit direction: Mitsuba's convention.
+fn latitude_longitude(d: Vec3) -> [f32; 2] {
+    let u = d.x.atan2(-d.z) * (0.5 * FRAC_1_PI);
+    let v = d.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI;
+    [(u - u.floor()).min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)]
+}
+
+/// Per solid angle: the unit square is stretched over 2 pi by pi, and shrunk by the sine towards the poles.
+fn latitude_longitude_pdf(pdf_square: f32, sin_theta: f32) -> f32 {
+    if sin_theta > 0.0 { pdf_square / (TAU * PI * sin_theta) } else { 0.0 }
+}
+
+/// Of each texel: the largest value among the texels that bilinear look-ups in its cell can touch, by solid angle.
+fn latitude_longitude_weights(texels: &[[f32; 3]], width: usize, height: usize) -> Vec<f32> {
+    let along_row: Vec<f32> = (0..texels.len())
+        .map(|i| {
+            let (row, x) = (i / width * width, i % width);
+            let at = |x: usize| max(texels[row + x]);
+            at(x).max(at((x + 1) % width)).max(at((x + width - 1) % width))
+        })
+        .collect();
+    (0..texels.len())
+        .map(|i| {
+            let y = i / width;
+            let at = |y: usize| along_row[y * width + i % width];
+            let largest = at(y).max(at(y.saturating_sub(1))).max(at((y + 1).min(height - 1)));
+            largest * ((y as f32 + 0.5) * PI / height as f32).sin()
+        })
+        .collect()
+}
+
+fn mean(texels: &[[f32; 3]], width: usize, height: usize, mapping: EnvironmentMapping) -> Spectrum {
+    let mut sum = [0.0f64; 4];
+    for (i, texel) in texels.iter().enumerate() {
+        let weight = match mapping {
+            EnvironmentMapping::LatitudeLongitude => {
+                (((i / width) as f64 + 0.5) * std::f64::consts::PI / height as f64).sin()
+            }
+            EnvironmentMapping::EqualAreaOctahedral => 1.0,
+        };
+        for (s, v) in sum.iter_mut().zip(texel) {
+            *s += weight * f64::from(*v);
+        }
+        sum[3] += weight;
+    }
+    Spectrum::rgb([0, 1, 2].map(|i| (sum[i] / sum[3]) as f32))
+}
+
+fn max(rgb: [f32; 3]) -> f32 {
+    // The luminance of a pure blue is too small a share of its noise.
+    luminance(rgb).max(rgb[0].max(rgb[1]).max(rgb[2]) / 3.0)
+}
+
+/// The equal-area octahedral map of a unit direction to [0, 1]^2 (Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere
+/// using SIMD").
+fn octahedral_square(d: Vec3) -> [f32; 2] {
+    let r = (1.0 - d.z.abs()).max(0.0).sqrt();
+    // Angle within a quadrant, as a fraction of it.
+    let (x, y) = (d.x.abs(), d.y.abs());
+    let fraction = if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) * (2.0 * FRAC_1_PI) };
+    let (mut u, mut v) = (r - fraction * r, fraction * r);
+    if d.z < 0.0 {
+        (u, v) = (1.0 - v, 1.0 - u);
+    }
+    [0.5 * (u.copysign(d.x) + 1.0), 0.5 * (v.copysign(d.y) + 1.0)]
+}
+
+/// The inverse of [`octahedral_square`].
+fn octahedral_direction([x, y]: [f32; 2]) -> Vec3 {
+    let (u, v) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+    let (au, av) = (u.abs(), v.abs());
+    // Distance to the square's inner diagonal: positive on the upper half of the sphere.
+    let signed = 1.0 - (au + av);
+    let r = 1.0 - signed.abs();
+    let phi = if r == 0.0 { 1.0 } else { (av - au) / r + 1.0 } * std::f32::consts::FRAC_PI_4;
+    let z = (1.0 - r * r).copysign(signed);
+    let s = r * (2.0 - r * r).max(0.0).sqrt();
+    Vec3::new((phi.cos() * s).copysign(u), (phi.sin() * s).copysign(v), z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn octahedral_maps_are_inverse() {
+        for i in 0..400 {
+            let p = [(i % 20) as f32 / 20.0 + 0.013, (i / 20) as f32 / 20.0 + 0.021];
+            let d = octahedral_direction(p);
+            assert!((d.length() - 1.0).abs() < 1e-5);
+            let q = octahedral_square(d);
+            assert!((p[0] - q[0]).abs() < 1e-4 && (p[1] - q[1]).abs() < 1e-4, "{p:?} {d:?} {q:?}");
+        }
+        assert_eq!(octahedral_direction([0.5, 0.5]), Vec3::Z);
+    }
+
+    #[test]
+    fn latitude_longitude_looks_where_mitsuba_does() {
+        let [u, v] = latitude_longitude(Vec3::X);
+        assert!((u - 0.25).abs() < 1e-6 && (v - 0.5).abs() < 1e-6);
+        assert_eq!(latitude_longitude(Vec3::Y)[1], 0.0);
+    }
+}

@@ -1,0 +1,69 @@
+//! Lights: the factor S of a light path, and how to choose points on them.
+//!
+//! Next-event estimation asks a light for a direction to it ([`Light::sample`]); a walk that runs into a light asks for its
+//! radiance and for the density with which the former would have chosen the same direction. Densities are per solid
+//! angle at the receiving point; lights at a single point or direction are `delta` and have none.
+
+mod area;
+mod delta;
+mod environment;
+mod selection;
+
+use lichtweg_ray::math::Vec3;
+
+use crate::color::Spectrum;
+use crate::scene::Scene;
+
+pub use area::{AreaLight, EmissionSampling};
+pub use delta::{Directional, Point, Spot};
+pub use environment::{ConstantEnvironment, Environment, MapEnvironment};
+pub use selection::LightSelection;
+
+/// A light.
+#[derive(Debug)]
+pub enum Light {
+    /// A shape that emits.
+    Area(AreaLight),
+    /// A point.
+    Point(Point),
+    /// A point with a cone.
+    Spot(Spot),
+    /// Parallel light.
+    Directional(Directional),
+    /// Everything around the scene.
+    Environment(Environment),
+}
+
+/// A direction towards a light, chosen for a receiving point.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction to the light.
+    pub direction: Vec3,
+    /// The point on the light that a ray may go to without hitting the light itself; `None` if infinitely far.
+    pub target: Option<Vec3>,
+    /// Radiance that arrives from there, unless occluded; for delta lights the irradiance on a plane perpendicular to it.
+    pub radiance: Spectrum,
+    /// Density of the direction per solid angle; 1 for delta lights.
+    pub pdf: f32,
+    /// Whether this is the only direction light comes from.
+    pub delta: bool,
+}
+
+impl Light {
+    /// Chooses a direction from `from` to this light, by a uniform pair. `None` where nothing can arrive.
+    #[inline]
+    pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<LightSample> {
+        match self {
+            Self::Area(light) => light.sample(from, u, scene.form(light.shape), scene.textures()),
+            Self::Point(light) => light.sample(from),
+            Self::Spot(light) => light.sample(from),
+            Self::Directional(light) => Some(light.sample()),
+            Self::Environment(light) => light.sample(u),
+        }
+    }
+
+    /// Whether it is at a single point or in a single direction, so that no walk can run into it.
+    pub fn is_delta(&self) -> bool {
+        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Directional(_))
+    }
+}

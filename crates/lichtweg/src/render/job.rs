@@ -1,0 +1,341 @@
+//! Passes over tiles.
+//!
+//! The image is cut into tiles, a pass takes the next few samples of every pixel, and threads take tiles as they come. A
+//! pixel's samples are functions of its position and their index, and are added up in the order of the index, so that the
+//! image is the same bits for any number of threads and any cut into passes.
+
+use std::time::{Duration, Instant};
+
+use lichtweg_montecarlo::{Sampler, SamplerKind};
+use rayon::prelude::*;
+
+use super::{Progress, RenderedImage};
+use crate::camera::Camera;
+use crate::color::Spectrum;
+use crate::film::{AuxiliarySums, Filter, Pixel};
+use crate::scene::description::{Description, Diagnostic, Diagnostics};
+use crate::scene::{Scatterer, Scene, SurfacePoint};
+use crate::transport::{PathObserver, PathTracer, WalkCounts};
+
+/// Side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// How long a pass may take before the next one is made shorter: what Ctrl-C has to wait for.
+const PASS_SECONDS: f64 = 0.5;
+
+/// Images of more pixels than this are refused rather than run out of memory.
+const MAX_PIXELS: u64 = 1 << 30;
+
+/// Everything that decides an image, but the scene.
+#[derive(Debug)]
+pub struct Job {
+    camera: Camera,
+    filter: Filter,
+    tracer: PathTracer,
+    sampler: SamplerKind,
+    seed: u64,
+    samples_per_pixel: u32,
+    film_scale: f32,
+    /// Full film size.
+    size: [u32; 2],
+    /// The part that is rendered: x, y, width, height.
+    window: [u32; 4],
+    /// Record albedo, normals and depth.
+    auxiliary: bool,
+    /// Stop after this time.
+    time_limit: Option<Duration>,
+}
+
+/// What to record besides radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LayerSelection {
+    /// Variance of the mean.
+    pub variance: bool,
+    /// Albedo of what the camera sees first.
+    pub albedo: bool,
+    /// Its shading normal.
+    pub normal: bool,
+    /// Its distance.
+    pub depth: bool,
+}
+
+/// Why nothing was rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RenderError {
+    /// Stopped before the first pass was complete.
+    #[error("stopped before the first pass over the image was complete")]
+    Stopped,
+}
+
+/// Exact counts over a job.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Samples of each pixel.
+    pub samples_per_pixel: u32,
+    /// Camera paths.
+    pub paths: u64,
+    /// What the paths counted.
+    pub walks: WalkCounts,
+    /// Samples left out because they were not finite or negative.
+    pub dropped: u64,
+    /// One of those: pixel and sample index, to replay it.
+    pub first_dropped: Option<([u32; 2], u32)>,
+    /// Passes over the image.
+    pub passes: u32,
+    /// Wall-clock seconds.
+    pub seconds: f64,
+}
+
+/// A finished, or interrupted, image.
+#[derive(Debug)]
+pub struct Rendering {
+    /// The pixels.
+    pub image: RenderedImage,
+    /// The counts.
+    pub statistics: Statistics,
+}
+
+struct Tile {
+    /// Position in the film and size.
+    window: [u32; 4],
+    pixels: Vec<Pixel>,
+    auxiliary: Vec<AuxiliarySums>,
+    counts: WalkCounts,
+    dropped: u64,
+    first_dropped: Option<([u32; 2], u32)>,
+}
+
+impl Job {
+    /// The job that a description asks for; reports what is wrong with it.
+    pub fn compile(
+        description: &Description,
+        layers: LayerSelection,
+        time_limit: Option<Duration>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Self> {
+        let film = &description.film;
+        let mut fault = |message: String, help: &str| {
+            diagnostics.push(Diagnostic::error("bad-film", message).at(film.span, "stated here").help(help));
+            None
+        };
+        let (width, height) = (film.width, film.height);
+        if width == 0 || height == 0 {
+            return fault(
+                format!("an image of {width}x{height} pixels has none"),
+                "both sizes must be at least 1",
+            );
+        }
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return fault(format!("an image of {width}x{height} pixels is too large"), "at most 2^30 pixels");
+        }
+        let window = film.crop.unwrap_or([0, 0, width, height]);
+        let [x, y, w, h] = window.map(u64::from);
+        if w == 0 || h == 0 || x + w > u64::from(width) || y + h > u64::from(height) {
+            return fault(
+                format!("the crop {x},{y},{w},{h} does not lie in an image of {width}x{height} pixels"),
+                "give x, y, width and height in pixels from the top left corner",
+            );
+        }
+        let Some(filter) = Filter::new(&film.filter) else {
+            return fault(
+                format!("the reconstruction filter {:?} cannot be used", film.filter),
+                "its radius must be positive",
+            );
+        };
+        if !(film.scale >= 0.0 && film.scale.is_finite()) {
+            return fault(
+                "the film's scale must be finite and not negative".into(),
+                "check iso and exposure time",
+            );
+        }
+        let samples_per_pixel = description.sampler.samples_per_pixel;
+        if samples_per_pixel == 0 {
+            let span = description.sampler.span;
+            diagnostics.push(
+                Diagnostic::error("no-samples", "zero samples per pixel make no image")
+                    .at(span, "stated here"),
+            );
+            return None;
+        }
+        Some(Self {
+            camera: Camera::compile(&description.camera, width, height, diagnostics)?,
+            filter,
+            tracer: PathTracer::new(&description.integrator),
+            sampler: description.sampler.kind,
+            seed: description.sampler.seed,
+            samples_per_pixel,
+            film_scale: film.scale,
+            size: [width, height],
+            window,
+            auxiliary: layers.albedo || layers.normal || layers.depth,
+            time_limit,
+        })
+    }
+
+    /// Camera samples that a complete job takes.
+    pub fn total_samples(&self) -> u64 {
+        u64::from(self.window[2]) * u64::from(self.window[3]) * u64::from(self.samples_per_pixel)
+    }
+
+    /// Full film size.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Renders on the threads of the rayon pool this is called in.
+    pub fn render(&self, scene: &Scene, progress: &Progress) -> Result<Rendering, RenderError> {
+        let start = Instant::now();
+        let mut tiles = self.tiles();
+        let (mut done, mut passes, mut pass_samples) = (0, 0, 1);
+        while done < self.samples_per_pixel && !progress.is_stopped() {
+            let pass_start = Instant::now();
+            let end = done + pass_samples.min(self.samples_per_pixel - done);
+            tiles.par_iter_mut().for_each(|tile| self.render_tile(scene, tile, done..end, progress));
+            done = end;
+            passes += 1;
+            progress.pass_done();
+            let Some(next) = self.next_pass(pass_start.elapsed(), start.elapsed(), pass_samples) else {
+                break;
+            };
+            pass_samples = next;
+        }
+        if done == 0 {
+            return Err(RenderError::Stopped);
+        }
+        let mut statistics = Statistics {
+            samples_per_pixel: done,
+            paths: u64::from(self.window[2]) * u64::from(self.window[3]) * u64::from(done),
+            passes,
+            ..Default::default()
+        };
+        for tile in &tiles {
+            statistics.walks.merge(&tile.counts);
+            statistics.dropped += tile.dropped;
+            statistics.first_dropped = statistics.first_dropped.or(tile.first_dropped);
+        }
+        let image = self.assemble(&tiles);
+        statistics.seconds = start.elapsed().as_secs_f64();
+        Ok(Rendering { image, statistics })
+    }
+
+    /// Samples of the next pass: as many as fit into the time of a pass and into what is left; `None` where time is up.
+    fn next_pass(&self, pass: Duration, total: Duration, samples: u32) -> Option<u32> {
+        let per_sample = pass.as_secs_f64() / f64::from(samples);
+        let seconds = match self.time_limit {
+            None => PASS_SECONDS,
+            Some(limit) if total >= limit => return None,
+            Some(limit) => PASS_SECONDS.min((limit - total).as_secs_f64()),
+        };
+        // At most doubled: the first, short passes say little.
+        Some(((seconds / per_sample) as u32).clamp(1, samples.saturating_mul(2)))
+    }
+
+    fn tiles(&self) -> Vec<Tile> {
+        let [x0, y0, width, height] = self.window;
+        let steps = |n: u32| (0..n).step_by(TILE as usize);
+        let tile = |(y, x): (u32, u32)| {
+            let window = [x0 + x, y0 + y, TILE.min(width - x), TILE.min(height - y)];
+            let pixels = (window[2] * window[3]) as usize;
+            Tile {
+                window,
+                pixels: vec![Pixel::default(); pixels],
+                auxiliary: vec![AuxiliarySums::default(); if self.auxiliary { pixels } else { 0 }],
+                counts: WalkCounts::default(),
+                dropped: 0,
+                first_dropped: None,
+            }
+        };
+        steps(height).flat_map(|y| steps(width).map(move |x| (y, x))).map(tile).collect()
+    }
+
+    fn render_tile(
+        &self,
+        scene: &Scene,
+        tile: &mut Tile,
+        samples: std::ops::Range<u32>,
+        progress: &Progress,
+    ) {
+        let [x0, y0, width, _] = tile.window;
+        let mut counts = WalkCounts::default();
+        for i in 0..tile.pixels.len() {
+            let position = [x0 + i as u32 % width, y0 + i as u32 / width];
+            let mut pixel = tile.pixels[i];
+            for index in samples.clone() {
+                let (radiance, weight) = match tile.auxiliary.get_mut(i) {
+                    None => self.sample(scene, position, index, &mut counts, &mut ()),
+                    Some(sums) => self.sample(scene, position, index, &mut counts, &mut FirstSurface(sums)),
+                };
+                if radiance.is_valid_radiance() {
+                    pixel.add(index, radiance * self.film_scale, weight);
+                } else {
+                    tile.dropped += 1;
+                    tile.first_dropped.get_or_insert((position, index));
+                }
+            }
+            tile.pixels[i] = pixel;
+        }
+        tile.counts.merge(&counts);
+        let paths = tile.pixels.len() as u64 * u64::from(samples.end - samples.start);
+        progress.add(paths, counts.rays.closest + counts.rays.occlusion);
+    }
+
+    /// One sample of one pixel: radiance and filter weight.
+    #[inline]
+    fn sample(
+        &self,
+        scene: &Scene,
+        [x, y]: [u32; 2],
+        index: u32,
+        counts: &mut WalkCounts,
+        observer: &mut impl PathObserver,
+    ) -> (Spectrum, f32) {
+        let stream = u64::from(y) * u64::from(self.size[0]) + u64::from(x);
+        let mut sampler = Sampler::new(self.sampler, self.seed, stream, index);
+        let ([dx, dy], weight) = self.filter.sample(sampler.next_2d());
+        let film = [(x as f32 + 0.5 + dx) / self.size[0] as f32, (y as f32 + 0.5 + dy) / self.size[1] as f32];
+        let (lens, time) = (sampler.next_2d(), sampler.next_1d());
+        let ray = self.camera.ray(film, lens, time);
+        (self.tracer.radiance(scene, ray, &mut sampler, counts, observer), weight)
+    }
+
+    fn assemble(&self, tiles: &[Tile]) -> RenderedImage {
+        let [x0, y0, width, height] = self.window;
+        let area = width as usize * height as usize;
+        let mut image = RenderedImage {
+            size: self.size,
+            window: self.window,
+            pixels: vec![Pixel::default(); area],
+            auxiliary: vec![AuxiliarySums::default(); if self.auxiliary { area } else { 0 }],
+        };
+        for tile in tiles {
+            let [tx, ty, tw, _] = tile.window;
+            for (row, pixels) in tile.pixels.chunks_exact(tw as usize).enumerate() {
+                let start = (ty - y0) as usize * width as usize + row * width as usize + (tx - x0) as usize;
+                image.pixels[start..start + tw as usize].copy_from_slice(pixels);
+                if self.auxiliary {
+                    let from = row * tw as usize;
+                    image.auxiliary[start..start + tw as usize]
+                        .copy_from_slice(&tile.auxiliary[from..from + tw as usize]);
+                }
+            }
+        }
+        image
+    }
+}
+
+/// Records what the camera sees first.
+struct FirstSurface<'a>(&'a mut AuxiliarySums);
+
+impl PathObserver for FirstSurface<'_> {
+    fn scatters(&mut self, depth: u32, point: &SurfacePoint, scatterer: &Scatterer<'_>, distance: f32) {
+        if depth > 1 {
+            return;
+        }
+        let sums = &mut *self.0;
+        let add = |to: &mut [f32; 3], value: [f32; 3]| to.iter_mut().zip(value).for_each(|(a, b)| *a += b);
+        add(&mut sums.albedo, scatterer.bsdf.albedo_hint().to_rgb());
+        add(&mut sums.normal, point.shading_normal.to_array());
+        sums.depth += distance;
+        sums.hits += 1;
+    }
+}

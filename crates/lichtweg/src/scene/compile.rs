@@ -1,0 +1,344 @@
+//! From a [`Description`] to a [`Scene`].
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+use std::time::Instant;
+
+use lichtweg_ray::math::{Bounds3, Vec3};
+use lichtweg_ray::{Accel, BuildOptions, Geometry, Quadric, QuadricShape, TriangleMesh};
+use rayon::prelude::*;
+
+use super::description::{
+    Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
+    Mesh, ShapeDescription, SpectrumDescription,
+};
+use super::surface::{Form, MeshForm, QuadricForm};
+use super::{MaterialArena, Scene, Shape};
+use crate::color::{Role, Spectrum, luminance, rgb_spectrum};
+use crate::light::{
+    AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightSelection,
+    MapEnvironment, Point, Spot,
+};
+use crate::texture::TextureArena;
+
+/// What compiling a scene took and found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CompileReport {
+    /// Seconds for everything but the ray hierarchy.
+    pub seconds: f64,
+    /// Triangles in all meshes, before the ray engine drops degenerate ones.
+    pub triangles: u64,
+}
+
+impl Scene {
+    /// Compiles a description. What is wrong with it goes to `diagnostics`; a scene comes out unless an error was among it.
+    pub fn compile(description: &Description, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let start = Instant::now();
+        let textures = TextureArena::compile(&description.textures, diagnostics);
+        let materials = MaterialArena::compile(&description.materials, &textures, diagnostics);
+        let forms: Vec<Result<Form, Diagnostic>> = description.shapes.par_iter().map(form).collect();
+        let mut shapes = Vec::with_capacity(forms.len());
+        let mut lights = Vec::new();
+        for (form, source) in forms.into_iter().zip(&description.shapes) {
+            match form {
+                Ok(form) => {
+                    add_shape(form, source, &materials, &textures, &mut shapes, &mut lights, diagnostics)
+                }
+                Err(diagnostic) => diagnostics.push(diagnostic),
+            }
+        }
+        for light in &description.lights {
+            lights.extend(compile_light(light, diagnostics));
+        }
+        if diagnostics.has_errors() {
+            return None;
+        }
+        let geometries: Vec<Geometry> = shapes.iter().map(|s| geometry(&s.form)).collect();
+        let triangles = geometries
+            .iter()
+            .map(|g| if let Geometry::Triangles(mesh) = g { mesh.indices.len() as u64 } else { 0 })
+            .sum();
+        let seconds = start.elapsed().as_secs_f64();
+        let accel = match Accel::build(geometries, BuildOptions::default()) {
+            Ok(accel) => accel,
+            Err(error) => {
+                diagnostics.push(Diagnostic::error("bad-geometry", error.to_string()));
+                return None;
+            }
+        };
+        let radius = scene_radius(accel.bounds());
+        let powers: Vec<f32> = lights.iter().map(|l| power(l, &shapes, &textures, radius)).collect();
+        let environments = (0..lights.len() as u32)
+            .filter(|&i| matches!(lights[i as usize], Light::Environment(_)))
+            .collect();
+        let scene = Self {
+            has_holes: shapes.iter().any(|s| s.has_holes),
+            selection: LightSelection::new(&powers),
+            accel,
+            shapes,
+            textures,
+            materials,
+            lights,
+            environments,
+            report: CompileReport { seconds, triangles },
+        };
+        scene.warn(description, diagnostics);
+        Some(scene)
+    }
+
+    /// What renders, but perhaps not as meant.
+    fn warn(&self, description: &Description, diagnostics: &mut Diagnostics) {
+        if self.lights.is_empty() {
+            diagnostics.push(
+                Diagnostic::warning("no-light", "the scene has no light: its image will be black")
+                    .help("add an emitter, for instance a constant environment"),
+            );
+        }
+        let report = self.build_report();
+        let dropped = report.dropped_degenerate + report.dropped_non_finite;
+        if dropped > 0 && dropped * 100 > report.triangles {
+            diagnostics.push(Diagnostic::warning(
+                "degenerate-triangles",
+                format!(
+                    "{dropped} of {} triangles have no area and are left out",
+                    report.triangles + dropped
+                ),
+            ));
+        }
+        if description.shapes.is_empty() {
+            diagnostics.push(Diagnostic::warning("no-shape", "the scene has no shape"));
+        }
+    }
+}
+
+fn fault(code: &'static str, shape: &ShapeDescription, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(code, message).at(shape.span, "this shape")
+}
+
+/// Places a shape in the world.
+fn form(shape: &ShapeDescription) -> Result<Form, Diagnostic> {
+    let singular = || {
+        fault("singular-transform", shape, "a shape's transform is singular or not finite")
+            .help("no scale factor may be zero, and no entry NaN or infinite")
+    };
+    let quadric = |form: QuadricShape| {
+        if !shape.to_world.is_finite() {
+            return Err(singular());
+        }
+        QuadricForm::new(form, shape.to_world, shape.flip_normals).map(Form::Quadric).ok_or_else(singular)
+    };
+    match &shape.geometry {
+        GeometryDescription::Mesh(mesh) => {
+            if shape.to_world.inverse().is_none() {
+                return Err(singular());
+            }
+            place_mesh(mesh, shape).map(Form::Mesh)
+        }
+        GeometryDescription::Sphere { z_min, z_max, phi_max } => {
+            quadric(QuadricShape::Sphere { z_min: *z_min, z_max: *z_max, phi_max: radians(*phi_max) })
+        }
+        GeometryDescription::Disk { inner_radius, phi_max } => {
+            quadric(QuadricShape::Disk { inner_radius: *inner_radius, phi_max: radians(*phi_max) })
+        }
+        GeometryDescription::Cylinder { z_min, z_max, phi_max } => {
+            quadric(QuadricShape::Cylinder { z_min: *z_min, z_max: *z_max, phi_max: radians(*phi_max) })
+        }
+    }
+}
+
+/// Degrees to radians, a full turn exactly.
+fn radians(degrees: f32) -> f32 {
+    (degrees / 360.0) * TAU
+}
+
+fn place_mesh(mesh: &Mesh, shape: &ShapeDescription) -> Result<MeshForm, Diagnostic> {
+    let vertices = mesh.positions.len();
+    let sound = |list: usize| list == 0 || list == vertices;
+    if !sound(mesh.normals.len()) || !sound(mesh.uvs.len()) {
+        return Err(fault(
+            "bad-mesh",
+            shape,
+            "a mesh has not as many normals or texture coordinates as vertices",
+        ));
+    }
+    let m = &shape.to_world;
+    let positions: Arc<[Vec3]> = mesh.positions.iter().map(|p| m.point(*p)).collect();
+    if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(fault(
+            "not-finite",
+            shape,
+            format!("vertex {i} of a mesh is not finite: {:?}", mesh.positions[i]),
+        ));
+    }
+    let flip = if shape.flip_normals { -1.0 } else { 1.0 };
+    let mirror = m.determinant().signum() as f32;
+    Ok(MeshForm {
+        positions,
+        triangles: mesh.triangles.as_slice().into(),
+        normals: mesh.normals.iter().map(|n| (m.normal(*n) * flip).normalized()).collect(),
+        uvs: mesh.uvs.clone(),
+        winding: flip * mirror,
+    })
+}
+
+/// What the ray engine sees of a form.
+fn geometry(form: &Form) -> Geometry {
+    match form {
+        Form::Mesh(mesh) => {
+            Geometry::Triangles(TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()))
+        }
+        Form::Quadric(q) => Geometry::Quadric(Quadric { shape: q.shape, object_to_world: q.to_world }),
+    }
+}
+
+fn add_shape(
+    form: Form,
+    source: &ShapeDescription,
+    materials: &MaterialArena,
+    textures: &TextureArena,
+    shapes: &mut Vec<Shape>,
+    lights: &mut Vec<Light>,
+    diagnostics: &mut Diagnostics,
+) {
+    let material = source.material.0;
+    if material as usize >= materials.len() {
+        diagnostics.push(fault("unknown-material", source, "a shape has a material that does not exist"));
+        return;
+    }
+    if let Form::Mesh(mesh) = &form
+        && let Some(t) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len())
+    {
+        let message = format!("a mesh refers to vertex {t}, but has {} vertices", mesh.positions.len());
+        diagnostics.push(fault("bad-mesh", source, message));
+        return;
+    }
+    let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|light| {
+        lights.push(Light::Area(light));
+        lights.len() as u32 - 1
+    });
+    shapes.push(Shape { form, material, light, has_holes: materials.has_holes(material) });
+}
+
+fn area_light(
+    form: &Form,
+    source: &ShapeDescription,
+    shape: u32,
+    textures: &TextureArena,
+    diagnostics: &mut Diagnostics,
+) -> Option<AreaLight> {
+    let emission = source.emission.as_ref()?;
+    let radiance = textures.input(&emission.radiance, Role::Emission, emission.span, diagnostics)?;
+    let negative = |s: Spectrum| s.0.iter().any(|v| *v < 0.0);
+    if let crate::texture::Input::Constant(c) = radiance
+        && negative(c)
+    {
+        diagnostics.push(
+            Diagnostic::error("negative-emission", "a light emits negative radiance")
+                .at(emission.span, "here"),
+        );
+        return None;
+    }
+    if radiance.is_zero() {
+        return None;
+    }
+    let Some(sampling) = EmissionSampling::new(form) else {
+        diagnostics.push(
+            Diagnostic::warning("no-area", "an emitting shape has no area, and so gives no light")
+                .at(emission.span, "emission stated here"),
+        );
+        return None;
+    };
+    let mut light = AreaLight { shape, radiance, factor: 1.0, two_sided: emission.two_sided, sampling };
+    light.factor = match emission.scale {
+        EmissionScale::Factor(factor) => factor,
+        EmissionScale::Power(power) => {
+            let sides = if light.two_sided { 2.0 } else { 1.0 };
+            power / (luminance(textures.mean(radiance).to_rgb()) * PI * sides * light.area(form))
+        }
+    };
+    if !(light.factor >= 0.0 && light.factor.is_finite()) {
+        diagnostics.push(
+            Diagnostic::error(
+                "bad-emission",
+                "the scale or power of a light must be finite and not negative",
+            )
+            .at(emission.span, "here"),
+        );
+        return None;
+    }
+    (light.factor > 0.0).then_some(light)
+}
+
+fn compile_light(light: &LightDescription, diagnostics: &mut Diagnostics) -> Option<Light> {
+    let mut fault = |message: &str| {
+        diagnostics.push(Diagnostic::error("bad-light", message).at(light.span, "this light"));
+        None
+    };
+    if !(light.scale >= 0.0 && light.scale.is_finite()) {
+        return fault("the scale of a light must be finite and not negative");
+    }
+    let emitted = |s: &SpectrumDescription| {
+        rgb_spectrum(s, Role::Emission).map(|s| s * light.scale).filter(|s| s.is_valid_radiance())
+    };
+    const NO_RADIANCE: &str = "what a light emits must be finite and not negative";
+    match &light.kind {
+        LightKind::Point { position, intensity } => {
+            let Some(intensity) = emitted(intensity) else { return fault(NO_RADIANCE) };
+            Some(Light::Point(Point { position: *position, intensity }))
+        }
+        LightKind::Spot { to_world, intensity, cutoff, beam_width, falloff } => {
+            let Some(intensity) = emitted(intensity) else { return fault(NO_RADIANCE) };
+            let Some(axis) = to_world.vector(Vec3::Z).try_normalized() else {
+                return fault("a spot light has a singular transform");
+            };
+            Some(Light::Spot(Spot {
+                position: to_world.point(Vec3::ZERO),
+                axis,
+                intensity,
+                cutoff: cutoff.to_radians(),
+                beam_width: beam_width.to_radians(),
+                falloff: *falloff,
+            }))
+        }
+        LightKind::Directional { direction, irradiance } => {
+            let Some(irradiance) = emitted(irradiance) else { return fault(NO_RADIANCE) };
+            let Some(direction) = direction.try_normalized() else {
+                return fault("a directional light has no direction");
+            };
+            Some(Light::Directional(Directional { direction, irradiance }))
+        }
+        LightKind::Constant { radiance } => {
+            let Some(radiance) = emitted(radiance) else { return fault(NO_RADIANCE) };
+            Some(Light::Environment(Environment::Constant(ConstantEnvironment { radiance })))
+        }
+        LightKind::Environment { image, mapping, to_world } => {
+            match MapEnvironment::new(image, *mapping, to_world, light.scale) {
+                Some(map) => Some(Light::Environment(Environment::Map(map))),
+                None => fault(
+                    "an environment map is black, has negative or infinite values, or a singular transform",
+                ),
+            }
+        }
+    }
+}
+
+/// Radius of a sphere around everything.
+fn scene_radius(bounds: Bounds3) -> f32 {
+    if bounds.is_empty() { 1.0 } else { (bounds.extent().length() * 0.5).max(f32::MIN_POSITIVE) }
+}
+
+/// Emitted power, about: for the choice of lights.
+fn power(light: &Light, shapes: &[Shape], textures: &TextureArena, scene_radius: f32) -> f32 {
+    let disk = PI * scene_radius * scene_radius;
+    let emitted = match light {
+        Light::Area(l) => {
+            let sides = if l.two_sided { 2.0 } else { 1.0 };
+            textures.mean(l.radiance) * (l.factor * PI * sides * l.area(&shapes[l.shape as usize].form))
+        }
+        Light::Point(l) => l.intensity * (4.0 * PI),
+        Light::Spot(l) => l.intensity * (TAU * (1.0 - 0.5 * (l.cutoff.cos() + l.beam_width.cos()))),
+        Light::Directional(l) => l.irradiance * disk,
+        Light::Environment(e) => e.mean() * (4.0 * PI * disk),
+    };
+    emitted.max_element()
+}

@@ -1,0 +1,205 @@
+//! Image maps.
+//!
+//! 8-bit images keep their size in memory, with the sRGB curve undone by table at each look-up; everything else is held as
+//! linear `f32`. Texel centres lie at half-integers; v = 0 is the bottom row.
+
+use std::sync::LazyLock;
+
+use lichtweg_ray::math::Vec2;
+
+use crate::color::Spectrum;
+use crate::scene::description::{Image, Pixels, TextureFilter, UvTransform, WrapMode};
+
+/// A compiled image map.
+#[derive(Debug)]
+pub struct Bitmap {
+    width: u32,
+    height: u32,
+    texels: Texels,
+    to_uv: UvTransform,
+    wrap: WrapMode,
+    filter: TextureFilter,
+    /// The looked-up value x becomes `scale * x + offset`.
+    scale: f32,
+    offset: f32,
+}
+
+#[derive(Debug)]
+enum Texels {
+    /// sRGB-encoded, or linear through the identity table.
+    U8 { data: Vec<[u8; 3]>, decode: &'static [f32; 256] },
+    /// Linear.
+    F32(Vec<[f32; 3]>),
+}
+
+impl Pixels {
+    /// Number of channel values.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::U8(v) => v.len(),
+            Self::U16(v) => v.len(),
+            Self::F32(v) => v.len(),
+        }
+    }
+
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Image {
+    /// The colour of every pixel as linear sRGB, undoing the transfer curve if the image says it has one and `decode` is set.
+    pub fn to_linear_rgb(&self, decode: bool) -> Vec<[f32; 3]> {
+        let curve = |v: f32| if self.srgb && decode { srgb_to_linear(v) } else { v };
+        match &self.pixels {
+            Pixels::U8(v) => colors(v, self.channels, |x| curve(f32::from(x) / 255.0)),
+            Pixels::U16(v) => colors(v, self.channels, |x| curve(f32::from(x) / 65535.0)),
+            Pixels::F32(v) => colors(v, self.channels, curve),
+        }
+    }
+}
+
+/// The colour channels of interleaved pixels, grey repeated, alpha left out.
+fn colors<T: Copy, U>(values: &[T], channels: u32, convert: impl Fn(T) -> U) -> Vec<[U; 3]> {
+    let pick = if channels >= 3 { [0, 1, 2] } else { [0, 0, 0] };
+    values.chunks_exact(channels as usize).map(|p| pick.map(|i| convert(p[i]))).collect()
+}
+
+/// The sRGB transfer curve undone (IEC 61966-2-1).
+fn srgb_to_linear(v: f32) -> f32 {
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+static SRGB_TABLE: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
+static LINEAR_TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| i as f32 / 255.0));
+
+impl Bitmap {
+    /// Compiles an image that holds as many values as it says.
+    pub fn new(
+        image: &Image,
+        to_uv: UvTransform,
+        wrap: WrapMode,
+        filter: TextureFilter,
+        decode: bool,
+        scale: f32,
+        invert: bool,
+    ) -> Self {
+        let texels = match &image.pixels {
+            Pixels::U8(v) => Texels::U8 {
+                data: colors(v, image.channels, |x| x),
+                decode: if image.srgb && decode { &SRGB_TABLE } else { &LINEAR_TABLE },
+            },
+            _ => Texels::F32(image.to_linear_rgb(decode)),
+        };
+        let (scale, offset) = if invert { (-scale, scale) } else { (scale, 0.0) };
+        Self { width: image.width, height: image.height, texels, to_uv, wrap, filter, scale, offset }
+    }
+
+    /// The value at (u, v).
+    pub fn eval(&self, uv: Vec2) -> Spectrum {
+        let p = self.to_uv.apply(uv);
+        let (x, y) = (p.x * self.width as f32, (1.0 - p.y) * self.height as f32);
+        let value = match self.filter {
+            TextureFilter::Nearest => self.texel_at(x.floor(), y.floor()),
+            TextureFilter::Bilinear => {
+                let (x, y) = (x - 0.5, y - 0.5);
+                let (x0, y0) = (x.floor(), y.floor());
+                let (s, t) = (x - x0, y - y0);
+                let row = |y: f32| self.texel_at(x0, y) * (1.0 - s) + self.texel_at(x0 + 1.0, y) * s;
+                row(y0) * (1.0 - t) + row(y0 + 1.0) * t
+            }
+        };
+        value * self.scale + Spectrum::splat(self.offset)
+    }
+
+    /// Size of a texel in (u, v), neglecting a shear of the look-up.
+    pub fn texel(&self) -> Vec2 {
+        let [a, b] = self.to_uv.rows;
+        let stretch = |x: f32, y: f32| x.abs().max(y.abs()).max(1e-6);
+        Vec2::new(
+            1.0 / (self.width as f32 * stretch(a[0], a[1])),
+            1.0 / (self.height as f32 * stretch(b[0], b[1])),
+        )
+    }
+
+    fn texel_at(&self, x: f32, y: f32) -> Spectrum {
+        let (Some(x), Some(y)) = (wrap(self.wrap, x, self.width), wrap(self.wrap, y, self.height)) else {
+            return Spectrum::ZERO;
+        };
+        let index = y as usize * self.width as usize + x as usize;
+        Spectrum::rgb(match &self.texels {
+            Texels::U8 { data, decode } => data[index].map(|v| decode[usize::from(v)]),
+            Texels::F32(data) => data[index],
+        })
+    }
+}
+
+/// The texel that an integer coordinate of any size falls on; `None` is black. Coordinates that are not finite fall on
+/// the first.
+fn wrap(mode: WrapMode, x: f32, size: u32) -> Option<u32> {
+    // The conversion saturates, and NaN becomes zero.
+    let (x, n) = (x as i64, i64::from(size));
+    let inside = match mode {
+        WrapMode::Repeat => x.rem_euclid(n),
+        WrapMode::Clamp => x.clamp(0, n - 1),
+        WrapMode::Mirror => {
+            let m = x.rem_euclid(2 * n);
+            m.min(2 * n - 1 - m)
+        }
+        WrapMode::Black if (0..n).contains(&x) => x,
+        WrapMode::Black => return None,
+    };
+    Some(inside as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image() -> Image {
+        Image { width: 2, height: 2, channels: 1, pixels: Pixels::F32(vec![1.0, 2.0, 3.0, 4.0]), srgb: false }
+    }
+
+    fn bitmap(wrap: WrapMode, filter: TextureFilter) -> Bitmap {
+        Bitmap::new(&image(), UvTransform::default(), wrap, filter, true, 1.0, false)
+    }
+
+    #[test]
+    fn the_first_row_is_at_the_top() {
+        let b = bitmap(WrapMode::Repeat, TextureFilter::Nearest);
+        assert_eq!(b.eval(Vec2::new(0.25, 0.75)).0[0], 1.0);
+        assert_eq!(b.eval(Vec2::new(0.75, 0.25)).0[0], 4.0);
+    }
+
+    #[test]
+    fn bilinear_passes_through_centres_and_means() {
+        let b = bitmap(WrapMode::Clamp, TextureFilter::Bilinear);
+        assert_eq!(b.eval(Vec2::new(0.25, 0.75)).0[0], 1.0);
+        assert_eq!(b.eval(Vec2::new(0.5, 0.5)).0[0], 2.5);
+        assert_eq!(b.eval(Vec2::new(0.0, 1.0)).0[0], 1.0);
+    }
+
+    #[test]
+    fn wrapping() {
+        assert_eq!(wrap(WrapMode::Repeat, -1.0, 4), Some(3));
+        assert_eq!(wrap(WrapMode::Mirror, -1.0, 4), Some(0));
+        assert_eq!(wrap(WrapMode::Mirror, 4.0, 4), Some(3));
+        assert_eq!(wrap(WrapMode::Clamp, 1e30, 4), Some(3));
+        assert_eq!(wrap(WrapMode::Black, 4.0, 4), None);
+        assert_eq!(wrap(WrapMode::Repeat, f32::NAN, 4), Some(0));
+    }
+
+    #[test]
+    fn srgb_is_undone_and_inversion_comes_before_scaling() {
+        let image = Image { width: 1, height: 1, channels: 3, pixels: Pixels::U8(vec![188; 3]), srgb: true };
+        let make = |decode, scale, invert| {
+            let (uv, w) = (UvTransform::default(), WrapMode::Repeat);
+            Bitmap::new(&image, uv, w, TextureFilter::Nearest, decode, scale, invert).eval(Vec2::ZERO).0[0]
+        };
+        assert!((make(true, 1.0, false) - 0.5029).abs() < 1e-3);
+        assert!((make(false, 1.0, false) - 188.0 / 255.0).abs() < 1e-6);
+        assert!((make(false, 2.0, true) - 2.0 * (1.0 - 188.0 / 255.0)).abs() < 1e-6);
+    }
+}
