@@ -1,1 +1,26 @@
-fn main() {}
+//! The command `lichtweg`: renders scenes, and tells what is in them.
+//!
+//! Exit codes: 0 all went well (a render that Ctrl-C ended early is saved, and counts as well); 1 the scene, a file or
+//! the machine stood in the way; 2 the command was not understood; 130 left at once at the second Ctrl-C.
+
+mod cli;
+mod completions;
+mod console;
+mod failure;
+mod info;
+mod interrupt;
+mod load;
+mod man;
+mod memory;
+mod options;
+mod output;
+mod overrides;
+mod progress;
+mod record;
+mod render;
+mod scenes;
+mod text;
+
+fn main() -> std::process::ExitCode {
+    cli::run()
+}

@@ -65,8 +65,7 @@ fn report(diagnostic: &Diagnostic, files: &IndexedSources<'_>) -> Report<u32> {
         Severity::Warning => Level::Warning,
         Severity::Note => Level::Note,
     };
-    let mut report =
-        Report::new(level).with_code(diagnostic.code).with_message(&diagnostic.message);
+    let mut report = Report::new(level).with_code(diagnostic.code).with_message(&diagnostic.message);
     if let Some((span, label)) = &diagnostic.label {
         match files.range(*span) {
             Some(range) => report.labels.push(Label::primary(span.file, range).with_message(label)),
@@ -145,7 +144,8 @@ mod tests {
         let binary = sources.add("mesh.ply", "");
         let mut diagnostics = Diagnostics::new(false);
         let span = Span { file, start: 13, end: 21 };
-        diagnostics.push(Diagnostic::error("unknown-element", "no such element").at(span, "here").help("remove it"));
+        diagnostics
+            .push(Diagnostic::error("unknown-element", "no such element").at(span, "here").help("remove it"));
         let span = Span { file: binary, start: 0, end: 0 };
         diagnostics.push(Diagnostic::warning("bad-mesh", "no faces").at(span, ""));
         diagnostics.push(Diagnostic::warning("unplaced", "somewhere"));

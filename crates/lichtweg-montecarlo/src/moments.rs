@@ -1,8 +1,8 @@
 //! Running mean and variance, mergeable, and compensated sums.
 //!
-//! Single pass update by Welford (1962), merge by Chan, Golub and LeVeque (*Updating formulae and a pairwise algorithm
-//! for computing sample variances*, 1979); both avoid the cancellation of sum-of-squares formulas. Merging in a fixed
-//! order gives bit-identical results.
+//! Single pass update by Welford (1962), merge by Chan, Golub and LeVeque (*Updating formulae and a pairwise
+//! algorithm for computing sample variances*, 1979); both avoid the cancellation of sum-of-squares formulas.
+//! Merging in a fixed order gives bit-identical results.
 
 use crate::special::student_t_quantile;
 

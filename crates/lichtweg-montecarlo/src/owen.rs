@@ -32,8 +32,9 @@ pub const fn shuffle_index(index: u32, seed: u32) -> u32 {
 
 /// The word whose bit i (least significant first) is binary digit i of the second Sobol' dimension.
 ///
-/// Digit i is the sum mod 2 of C(j,i) a_j over the index bits a_j. By Lucas' theorem C(j,i) is odd exactly when the bits of i are
-/// a subset of those of j, so the matrix is the fifth Kronecker power of [[1,1],[0,1]] and factors into five shifts.
+/// Digit i is the sum mod 2 of C(j,i) a_j over the index bits a_j. By Lucas' theorem C(j,i) is odd exactly when the
+/// bits of i are a subset of those of j, so the matrix is the fifth Kronecker power of `[[1, 1], [0, 1]]` and factors
+/// into five shifts.
 #[inline]
 const fn pascal(mut x: u32) -> u32 {
     x ^= (x >> 16) & 0x0000_ffff;

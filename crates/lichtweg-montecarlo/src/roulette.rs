@@ -23,10 +23,11 @@ impl Roulette {
     /// Never ends a walk.
     pub const OFF: Self = Self { start_depth: u32::MAX, max_survival: 1.0 };
 
-    /// Probability that a walk of `depth` edges goes on, in [0,1]. **The caller divides its throughput by it.**
+    /// Probability that a walk of `depth` edges goes on, in `[0,1]`. **The caller divides its throughput by it.**
     ///
     /// `throughput_max` is the largest lane of the path throughput, relative to one at the start of the walk (and
-    /// without the eta^2 of refraction, which a later refraction undoes). A throughput that is zero or NaN gives 0: end the walk without dividing.
+    /// without the eta^2 of refraction, which a later refraction undoes). A throughput that is zero or NaN gives 0:
+    /// end the walk without dividing.
     #[inline]
     #[must_use]
     pub fn survival_probability(&self, depth: u32, throughput_max: f32) -> f32 {

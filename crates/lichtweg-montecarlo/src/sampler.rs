@@ -6,8 +6,8 @@
 //! * `Independent`: value = mix64(key + dimension * gamma), key = hash(seed, stream, sample).
 //! * `Sobol`: each draw is a point of its own scrambled (0,2)-sequence in base 2, index-shuffled against the other
 //!   draws ("padding"; Burley 2020, see [`crate::owen`]). Even and odd sample indices walk two independently scrambled
-//!   sequences, so that each of two half-buffers is well stratified and the two are independent. Numbers of samples that are powers of
-//!   two are best.
+//!   sequences, so that each of two half-buffers is well stratified and the two are independent. Numbers of samples
+//!   that are powers of two are best.
 //!
 //! Padding stratifies each 1-D or 2-D draw, not joint projections of several draws. Values have 24 bits: events
 //! rarer than 2^-24 need [`Sampler::next_1d_f64`] or two draws.

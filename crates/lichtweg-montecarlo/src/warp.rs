@@ -1,9 +1,9 @@
 //! Maps from the unit square to the shapes that light transport samples, with their densities.
 //!
-//! All are area-preserving up to the density stated, so stratified points stay stratified. Directions have z as their axis; the
-//! caller turns them into its own frame. Sources: Shirley and Chiu, *A low distortion map between disk and square*
-//! (1997); Heitz, *A low-distortion map between triangle and square* (2019); Malley's method for the cosine hemisphere
-//! (Pharr, Jakob, Humphreys, *Physically based rendering*, appendix A.5).
+//! All are area-preserving up to the density stated, so stratified points stay stratified. Directions have z as
+//! their axis; the caller turns them into its own frame. Sources: Shirley and Chiu, *A low distortion map between
+//! disk and square* (1997); Heitz, *A low-distortion map between triangle and square* (2019); Malley's method for
+//! the cosine hemisphere (Pharr, Jakob, Humphreys, *Physically based rendering*, appendix A.5).
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 
@@ -83,8 +83,8 @@ pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (TAU * one_minus_cos)
 }
 
-/// 1 - cos t of an angle t in [0, pi/2] given the square of its sine, without cancellation for small angles. A sphere of
-/// radius r seen from distance d has `sin_squared` = (r/d)^2.
+/// 1 - cos t of an angle t in [0, pi/2] given the square of its sine, without cancellation for small angles. A
+/// sphere of radius r seen from distance d has `sin_squared` = (r/d)^2.
 #[inline]
 #[must_use]
 pub fn one_minus_cos(sin_squared: f32) -> f32 {
@@ -100,7 +100,7 @@ pub fn uniform_triangle([u, v]: [f32; 2]) -> [f32; 3] {
     [b0, b1, (1.0 - b0 - b1).max(0.0)]
 }
 
-/// Coordinate in [-radius, radius] with the tent density of [`tent_pdf`].
+/// Coordinate in `[-radius, radius]` with the tent density of [`tent_pdf`].
 #[inline]
 #[must_use]
 pub fn tent(u: f32, radius: f32) -> f32 {

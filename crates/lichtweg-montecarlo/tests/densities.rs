@@ -145,7 +145,8 @@ fn piecewise_constant_densities() {
 
 #[test]
 fn rare_cells_of_a_large_map_are_reached_with_their_probability() {
-    // One cell in a row of 16384 holds almost all: each of the others has 3e-8, less than the step of a 24-bit number.
+    // One cell in a row of 16384 holds almost all: each of the others has 3e-8, less than the step of a 24-bit
+    // number.
     let width = 16_384;
     let values: Vec<f32> = (0..width).map(|x| if x == 5000 { 2000.0 } else { 6e-5 }).collect();
     let map = PiecewiseConstant2D::new(width, 1, &values).unwrap();

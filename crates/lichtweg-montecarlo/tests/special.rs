@@ -29,7 +29,12 @@ proptest! {
     }
 
     #[test]
-    fn beta_is_a_distribution_function(a in 1e-3_f64..1e4, b in 1e-3_f64..1e4, x in 0.0_f64..1.0, step in 0.0_f64..0.1) {
+    fn beta_is_a_distribution_function(
+        a in 1e-3_f64..1e4,
+        b in 1e-3_f64..1e4,
+        x in 0.0_f64..1.0,
+        step in 0.0_f64..0.1,
+    ) {
         let value = regularized_beta(x, a, b);
         prop_assert!((0.0..=1.0 + 1e-12).contains(&value));
         prop_assert!(regularized_beta((x + step).min(1.0), a, b) >= value - 1e-11);

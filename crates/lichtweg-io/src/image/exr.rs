@@ -72,7 +72,10 @@ pub(super) fn read_colour(bytes: &[u8]) -> Result<LoadedImage, ImageError> {
     }
     let planes: Vec<&[f32]> = names.iter().filter_map(|name| file.channel(name)).collect();
     let pixels = file.width as usize * file.height as usize;
-    let numbers = (0..pixels).flat_map(|pixel| planes.iter().map(move |plane| plane[pixel])).collect();
+    let mut numbers = Vec::with_capacity(pixels * planes.len());
+    for pixel in 0..pixels {
+        numbers.extend(planes.iter().map(|plane| plane[pixel]));
+    }
     let image = Bitmap {
         width: file.width,
         height: file.height,
@@ -106,14 +109,12 @@ fn colour_channels(file: &ExrChannels) -> Vec<String> {
 
 fn decode(bytes: &[u8]) -> Result<ExrChannels, ImageError> {
     check_headers(bytes)?;
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(damaged)?;
+    /// Starting threads takes longer than decoding this much.
+    const WORTH_THREADS: usize = 1 << 18;
+    let reader =
+        read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let reader = if bytes.len() < WORTH_THREADS { reader.non_parallel() } else { reader };
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(damaged)?;
     let Some(first) = image.layer_data.first() else { return Ok(ExrChannels::default()) };
     let (size, position) = (first.size, first.attributes.layer_position);
     let window = image.attributes.display_window.size;
@@ -227,7 +228,7 @@ pub(super) fn write(image: &OutputImage, target: impl Write + Seek) -> Result<()
 fn attribute_name(key: &str) -> Text {
     let is_standard = key.is_empty() || standard_names::ALL.contains(&key.as_bytes()) || key == "software";
     let name = if is_standard { format!("lichtweg:{key}") } else { key.replace('\0', " ") };
-    let end = name.floor_char_boundary(255);
+    let end = (0..=255).rev().find(|&end| name.is_char_boundary(end)).unwrap_or(0);
     encode_text(&name[..end])
 }
 

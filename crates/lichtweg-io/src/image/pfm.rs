@@ -28,9 +28,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<LoadedImage, ImageError> {
     }
     let decode = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
     let factor = scale.abs();
-    let rows = body[..expected].chunks_exact(row_bytes).rev();
-    let numbers = rows.flat_map(|row| row.chunks_exact(4));
-    let numbers = numbers.map(|b| factor * decode([b[0], b[1], b[2], b[3]])).collect();
+    let mut numbers = Vec::with_capacity(expected / 4);
+    for row in body[..expected].chunks_exact(row_bytes).rev() {
+        numbers.extend(row.chunks_exact(4).map(|b| factor * decode([b[0], b[1], b[2], b[3]])));
+    }
     let image = Image {
         width: width as u32,
         height: height as u32,

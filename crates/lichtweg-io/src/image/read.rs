@@ -113,7 +113,7 @@ pub(super) fn check_size(width: u64, height: u64, bytes_per_pixel: u64) -> Resul
             "the file is damaged; write it again",
         ));
     }
-    let bytes = u128::from(width) * u128::from(height) * u128::from(bytes_per_pixel);
+    let bytes = (u128::from(width) * u128::from(height)).saturating_mul(u128::from(bytes_per_pixel));
     if width > u64::from(u32::MAX) || height > u64::from(u32::MAX) || bytes > u128::from(MAX_BYTES) {
         return Err(ImageError::new(
             format!("the image is {width} x {height} and would take {bytes} bytes"),

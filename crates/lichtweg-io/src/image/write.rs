@@ -75,7 +75,7 @@ fn to_byte(encoded: f64) -> u8 {
 ///
 /// - `.exr`: all layers as 32-bit floats, lossless, with metadata and crop window;
 /// - `.png`: the image itself, 8-bit through `tone_map`, alpha linear;
-/// - `.hdr`, `.pfm`: the image itself, linear; one or three channels (alpha is dropped).
+/// - `.hdr`, `.pfm`: the image itself, linear; one or three channels (alpha is dropped); in `.hdr` NaN and negative numbers are 0.
 ///
 /// # Errors
 /// Unknown extension, a layer whose length does not fit, channels named twice, no image itself where the format needs it,
@@ -125,10 +125,15 @@ fn write_png(image: &OutputImage, tone_map: &ToneMap, target: &mut Target) -> Re
     PngEncoder::new(target).write_image(&bytes, image.width, image.height, color).map_err(encoding_error)
 }
 
+/// A mantissa of 255/256 and an exponent of 127.
+const LARGEST_RGBE: f32 = 255.0 / 256.0 * 1.701_411_8e38;
+
 fn write_hdr(image: &OutputImage, _: &ToneMap, target: &mut Target) -> Result<(), ImageError> {
     let (channels, numbers) = opaque(beauty(image)?);
-    let rgb: Vec<Rgb<f32>> =
-        numbers.chunks_exact(channels).map(|p| Rgb([p[0], p[channels / 2], p[channels - 1]])).collect();
+    // The format knows neither negative nor subnormal numbers nor infinity.
+    let representable = |x: f32| if x >= f32::MIN_POSITIVE { x.min(LARGEST_RGBE) } else { 0.0 };
+    let pixel = |p: &[f32]| Rgb([p[0], p[channels / 2], p[channels - 1]].map(representable));
+    let rgb: Vec<Rgb<f32>> = numbers.chunks_exact(channels).map(pixel).collect();
     HdrEncoder::new(target).encode(&rgb, image.width as usize, image.height as usize).map_err(encoding_error)
 }
 

@@ -80,3 +80,8 @@ fn read(
         .map_err(|(found, help)| MeshError::new(Place::File, "a readable file", found, help).in_file(path))?;
     parse(&bytes).map_err(|error| error.in_file(path))
 }
+
+#[cfg(test)]
+pub(crate) mod fuzz;
+#[cfg(test)]
+mod tests;

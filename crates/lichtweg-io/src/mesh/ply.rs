@@ -7,16 +7,16 @@
 //! Limits: polygons are cut into fans; `tristrips` and texture coordinates per face are left out.
 
 mod header;
+mod rows;
 mod source;
 
-use lichtweg::scene::description::Mesh;
-use lichtweg_ray::math::{Vec2, Vec3};
-
 use self::header::{Element, Encoding, Header, Kind, Scalar};
-use self::source::{Binary, Source, decode};
+use self::rows::{Body, NORMAL, SLOTS, UV, Vertices};
+use self::source::{Binary, Source};
 use super::finish::finish;
 use super::text::Cursor;
 use super::{LoadedMesh, MeshError, Place};
+use lichtweg::scene::description::Mesh;
 
 /// Parses the contents of a PLY file. See the module [`mesh`](crate::mesh) for `flip_v`.
 ///
@@ -30,109 +30,6 @@ pub fn parse_ply(bytes: &[u8], flip_v: bool) -> Result<LoadedMesh, MeshError> {
         Encoding::Ascii => reader.read(Cursor::new(&bytes[header.length..], header.lines + 1), flip_v),
         Encoding::LittleEndian => reader.read(Binary::<false>::new(bytes, header.length), flip_v),
         Encoding::BigEndian => reader.read(Binary::<true>::new(bytes, header.length), flip_v),
-    }
-}
-
-/// Numbers of a vertex that are kept: x y z nx ny nz u v.
-const SLOTS: usize = 8;
-const NORMAL: usize = 3;
-const UV: usize = 6;
-
-/// Body encodings, with the shortcuts that some of them have.
-trait Body: Source {
-    /// Reads all vertices at once if that is possible: fills `vertices` and returns true.
-    fn vertices_at_once(
-        &mut self,
-        _element: &Element,
-        _slots: &[Option<usize>],
-        _vertices: &mut Vertices,
-    ) -> Result<bool, MeshError> {
-        Ok(false)
-    }
-
-    /// Reads triangles as long as the next rows, at most `rows`, are nothing but that; returns how many.
-    fn triangle_run(&mut self, _element: &Element, _rows: u64, _triangles: &mut Vec<[u32; 3]>) -> u64 {
-        0
-    }
-
-    /// Skips a table at once if that is possible.
-    fn skip_at_once(&mut self, _element: &Element) -> Result<bool, MeshError> {
-        Ok(false)
-    }
-}
-
-impl Body for Cursor<'_> {}
-
-impl<const BIG: bool> Body for Binary<'_, BIG> {
-    fn vertices_at_once(
-        &mut self,
-        element: &Element,
-        slots: &[Option<usize>],
-        vertices: &mut Vertices,
-    ) -> Result<bool, MeshError> {
-        let Some(stride) = element.stride() else { return Ok(false) };
-        let mut columns = [None; SLOTS];
-        let mut offset = 0;
-        for (property, slot) in element.properties.iter().zip(slots) {
-            let Kind::Single(scalar) = property.kind else { return Ok(false) };
-            if let Some(slot) = *slot {
-                columns[slot] = Some((offset, scalar));
-            }
-            offset += scalar.size();
-        }
-        // The caller has checked that the product is within the file.
-        let rows = self.take(element.count as usize * stride)?;
-        for row in rows.chunks_exact(stride) {
-            let number = |slot: usize| match columns[slot] {
-                Some((offset, scalar)) => decode::<BIG>(&row[offset..], scalar) as f32,
-                None => 0.0,
-            };
-            vertices.push(number);
-        }
-        Ok(true)
-    }
-
-    fn triangle_run(&mut self, element: &Element, rows: u64, triangles: &mut Vec<[u32; 3]>) -> u64 {
-        const STRIDE: usize = 13;
-        let only_list = Kind::List { count: Scalar::U8, item: Scalar::I32 };
-        if element.properties.len() != 1 || element.properties[0].kind != only_list {
-            return 0;
-        }
-        let before = triangles.len();
-        let is_triangle = |row: &&[u8]| row[0] == 3;
-        for row in self.rest().chunks_exact(STRIDE).take(rows as usize).take_while(is_triangle) {
-            // A negative index wraps to one that is out of range of any mesh, and is reported as such.
-            let index = |i: usize| decode::<BIG>(&row[1 + 4 * i..], Scalar::U32) as u32;
-            triangles.push([index(0), index(1), index(2)]);
-        }
-        let read = triangles.len() - before;
-        self.take(read * STRIDE).map_or(0, |_| read as u64)
-    }
-
-    fn skip_at_once(&mut self, element: &Element) -> Result<bool, MeshError> {
-        let Some(stride) = element.stride() else { return Ok(false) };
-        self.take(element.count as usize * stride)?;
-        Ok(true)
-    }
-}
-
-/// The columns of the mesh being read.
-struct Vertices {
-    positions: Vec<Vec3>,
-    normals: Option<Vec<Vec3>>,
-    uvs: Option<Vec<Vec2>>,
-}
-
-impl Vertices {
-    #[inline]
-    fn push(&mut self, number: impl Fn(usize) -> f32) {
-        self.positions.push(Vec3::new(number(0), number(1), number(2)));
-        if let Some(normals) = &mut self.normals {
-            normals.push(Vec3::new(number(NORMAL), number(NORMAL + 1), number(NORMAL + 2)));
-        }
-        if let Some(uvs) = &mut self.uvs {
-            uvs.push(Vec2::new(number(UV), number(UV + 1)));
-        }
     }
 }
 

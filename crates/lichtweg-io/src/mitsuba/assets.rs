@@ -1,13 +1,13 @@
 //! The files behind a scene: noted while objects are translated, then read in parallel, each once.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use lichtweg::scene::description::{
-    Description, Diagnostic, Diagnostics, GeometryDescription, Image, LightKind, Mesh, Span, SpectrumDescription,
-    TextureId, TextureKind,
+    Description, Diagnostic, Diagnostics, GeometryDescription, Image, LightKind, Mesh, Span,
+    SpectrumDescription, TextureId, TextureKind,
 };
 use rayon::prelude::*;
 
@@ -43,9 +43,7 @@ pub(super) enum Asset {
 pub(super) enum MeshFormat {
     Obj,
     Ply,
-    Serialized {
-        shape_index: usize,
-    },
+    Serialized { shape_index: usize },
 }
 
 /// What is waiting for a file, and where it is asked for.
@@ -103,7 +101,8 @@ impl Assets {
                 Asset::Image { .. } => report.image_seconds += loaded.seconds,
             }
             for warning in loaded.warnings {
-                let code = if matches!(asset, Asset::Mesh { .. }) { "doubtful-mesh" } else { "doubtful-image" };
+                let code =
+                    if matches!(asset, Asset::Mesh { .. }) { "doubtful-mesh" } else { "doubtful-image" };
                 let message = format!("{}: {warning}", asset.path().display());
                 let diagnostic = Diagnostic::warning(code, message);
                 diagnostics.push(targets.iter().take(1).fold(diagnostic, |d, t| d.at(t.span, "")));
@@ -131,7 +130,9 @@ impl Asset {
                 let loaded = match format {
                     MeshFormat::Obj => mesh::read_obj(path, *flip_v),
                     MeshFormat::Ply => mesh::read_ply(path, *flip_v),
-                    MeshFormat::Serialized { shape_index } => mesh::read_serialized(path, *shape_index, *flip_v),
+                    MeshFormat::Serialized { shape_index } => {
+                        mesh::read_serialized(path, *shape_index, *flip_v)
+                    }
                 };
                 match loaded {
                     Ok(mut loaded) => {
@@ -173,7 +174,9 @@ impl Contents {
                 shape.flip_normals ^= *normals_from_faces && shape.to_world.determinant() < 0.0;
             }
             (Self::Image(image), Place::Texture(id)) => {
-                if let TextureKind::Bitmap { image: empty, .. } = &mut description.textures[id.0 as usize].kind {
+                if let TextureKind::Bitmap { image: empty, .. } =
+                    &mut description.textures[id.0 as usize].kind
+                {
                     *empty = Arc::clone(image);
                 }
             }
@@ -190,8 +193,8 @@ impl Contents {
 /// Shapes and lights whose files cannot be read.
 #[derive(Default)]
 struct Gone {
-    shapes: Vec<usize>,
-    lights: Vec<usize>,
+    shapes: HashSet<usize>,
+    lights: HashSet<usize>,
 }
 
 impl Gone {
@@ -205,11 +208,11 @@ impl Gone {
         for (i, target) in targets.iter().enumerate() {
             let substitute = match target.place {
                 Place::Shape(index) => {
-                    self.shapes.push(index);
+                    self.shapes.insert(index);
                     "the shape is left out"
                 }
                 Place::Light(index) => {
-                    self.lights.push(index);
+                    self.lights.insert(index);
                     "the emitter is left out"
                 }
                 Place::Texture(id) => {

@@ -47,9 +47,8 @@ mod tests {
     #[test]
     fn planck_peaks_where_wien_says_and_sums_to_stefan_boltzmann() {
         let kelvin = 6000.0;
-        let peak = (200..2000).max_by(|a, b| {
-            planck(f64::from(*a), kelvin).total_cmp(&planck(f64::from(*b), kelvin))
-        });
+        let peak = (200..2000)
+            .max_by(|a, b| planck(f64::from(*a), kelvin).total_cmp(&planck(f64::from(*b), kelvin)));
         assert!((f64::from(peak.unwrap()) - 2.897_771_955e6 / kelvin).abs() < 1.0);
         let total: f64 = (50..100_000).map(|l| planck(f64::from(l), kelvin)).sum();
         let want = 5.670_374_419e-8 * kelvin.powi(4) / std::f64::consts::PI;

@@ -81,7 +81,10 @@ pub(super) fn blackbody(kelvin: f64, scale: f64) -> Result<SpectrumDescription, 
     if !(1.0..=1e6).contains(&kelvin) {
         return Err(format!("temperature between 1 and 1000000 kelvin expected, got {kelvin}"));
     }
-    Ok(SpectrumDescription::Blackbody { kelvin: kelvin as f32, scale: finite(scale * planck_luminance(kelvin))? })
+    Ok(SpectrumDescription::Blackbody {
+        kelvin: kelvin as f32,
+        scale: finite(scale * planck_luminance(kelvin))?,
+    })
 }
 
 /// One number, three numbers, or `#rrggbb`.
@@ -132,7 +135,8 @@ fn parse_legacy_spectrum(text: &str) -> Result<SpectrumDescription, String> {
 
 /// A text file of lines `wavelength value`, with comments after `#`.
 fn read_spectrum(path: &Path) -> Result<SpectrumDescription, String> {
-    let bytes = read_regular_file(path).map_err(|(found, _)| format!("cannot read {}: {found}", path.display()))?;
+    let bytes =
+        read_regular_file(path).map_err(|(found, _)| format!("cannot read {}: {found}", path.display()))?;
     let text = String::from_utf8_lossy(&bytes);
     let mut pairs = Vec::new();
     for (i, line) in text.lines().enumerate() {
@@ -165,7 +169,7 @@ pub(super) fn sampled(pairs: &[(f64, f64)]) -> Result<SpectrumDescription, Strin
 /// A number that single precision can hold.
 fn finite(value: f64) -> Result<f32, String> {
     let single = value as f32;
-    if single.is_finite() { Ok(single) } else { Err(format!("{value} is beyond the range of numbers")) }
+    if single.is_finite() { Ok(single) } else { Err(format!("{value:e} is beyond the range of numbers")) }
 }
 
 /// The sRGB transfer curve (IEC 61966-2-1).

@@ -105,8 +105,10 @@ impl Walk<'_> {
                 None
             }
             Err(ExpandError::TooLong) => {
-                let diagnostic =
-                    Diagnostic::error("parameter-too-long", "the parameters in this value expand to over a megabyte");
+                let diagnostic = Diagnostic::error(
+                    "parameter-too-long",
+                    "the parameters in this value expand to over a megabyte",
+                );
                 self.diagnostics.push(diagnostic.at(span, ""));
                 None
             }

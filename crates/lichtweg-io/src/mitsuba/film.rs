@@ -12,10 +12,26 @@ const FILMS: [&str; 2] = ["hdrfilm", "ldrfilm"];
 const FILTERS: [&str; 6] = ["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"];
 
 /// Parameters that concern how the image is written, not what is in it.
-const OUTPUT_ONLY: [&str; 21] = [
-    "file_format", "pixel_format", "component_format", "banner", "compensate", "sample_border", "high_quality_edges",
-    "attach_log", "gamma", "exposure", "key", "burn", "tonemap_method", "has_alpha", "alpha", "label", "metadata",
-    "variable", "digits", "channel_names", "chromaticities",
+const OUTPUT_ONLY: [&str; 19] = [
+    "file_format",
+    "pixel_format",
+    "component_format",
+    "banner",
+    "compensate",
+    "sample_border",
+    "high_quality_edges",
+    "attach_log",
+    "gamma",
+    "exposure",
+    "key",
+    "burn",
+    "tonemap_method",
+    "has_alpha",
+    "alpha",
+    "variable",
+    "digits",
+    "channel_names",
+    "chromaticities",
 ];
 
 impl<'a> Translator<'a> {
@@ -25,6 +41,8 @@ impl<'a> Translator<'a> {
         let height = self.integer_in(object, "height", 576, 1, LARGEST) as u32;
         let crop = self.crop(object, width, height);
         object.ignore(&OUTPUT_ONLY);
+        let annotates = |name: &str| name.starts_with("label[") || name.starts_with("metadata[");
+        object.properties.iter().filter(|p| annotates(&p.name)).for_each(|p| p.queried.set(true));
         let filter = match self.single(object, Class::Filter) {
             Some(id) => self.nested(id, |this, object| this.filter(object)).unwrap_or_default(),
             None => FilterDescription::default(),
@@ -33,8 +51,14 @@ impl<'a> Translator<'a> {
             self.unknown_plugin(object, &FILMS, "\"hdrfilm\" is used instead");
         }
         self.refuse_unknown(object);
-        self.description.film =
-            FilmDescription { span: object.plugin_span, width, height, crop, filter, ..FilmDescription::default() };
+        self.description.film = FilmDescription {
+            span: object.plugin_span,
+            width,
+            height,
+            crop,
+            filter,
+            ..FilmDescription::default()
+        };
     }
 
     fn crop(&mut self, object: &'a Object, width: u32, height: u32) -> Option<[u32; 4]> {
@@ -46,7 +70,8 @@ impl<'a> Translator<'a> {
         let h = self.integer_in(object, names[3], height.into(), 1, LARGEST) as u32;
         let given = given?;
         if x + w > width || y + h > height {
-            let message = format!("the crop window {w}x{h} at ({x}, {y}) exceeds the film of {width}x{height}");
+            let message =
+                format!("the crop window {w}x{h} at ({x}, {y}) exceeds the film of {width}x{height}");
             self.error("out-of-range", message, object.span_of(given));
             return None;
         }
@@ -57,8 +82,13 @@ impl<'a> Translator<'a> {
         let positive = |v: f32| v > 0.0 && v <= 100.0;
         let range = "greater than 0 and at most 100";
         let filter = match object.plugin.as_str() {
-            "box" => FilterDescription::new(FilterKind::Box, self.float_in(object, "radius", 0.5, range, positive)),
-            "tent" => FilterDescription::new(FilterKind::Tent, self.float_in(object, "radius", 1.0, range, positive)),
+            "box" => {
+                FilterDescription::new(FilterKind::Box, self.float_in(object, "radius", 0.5, range, positive))
+            }
+            "tent" => FilterDescription::new(
+                FilterKind::Tent,
+                self.float_in(object, "radius", 1.0, range, positive),
+            ),
             "gaussian" => {
                 let standard_deviation = self.float_in(object, "stddev", 0.5, range, positive);
                 let radius = 4.0 * standard_deviation;

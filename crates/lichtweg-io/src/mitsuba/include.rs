@@ -25,8 +25,7 @@ impl Walk<'_> {
         let text = read_regular_file(path)
             .map_err(|(found, help)| missing(format!("cannot read {}: {found}", path.display())).help(help))
             .and_then(|bytes| {
-                String::from_utf8(bytes)
-                    .map_err(|_| missing(format!("{} is no UTF-8 text", path.display())))
+                String::from_utf8(bytes).map_err(|_| missing(format!("{} is no UTF-8 text", path.display())))
             });
         match text {
             Ok(text) => {
@@ -35,7 +34,10 @@ impl Walk<'_> {
                 self.read_text(path, text, parent, depth);
                 self.open_files.pop();
             }
-            Err(diagnostic) => self.diagnostics.push(diagnostic),
+            Err(diagnostic) => {
+                self.broken = true;
+                self.diagnostics.push(diagnostic);
+            }
         }
     }
 
@@ -79,7 +81,10 @@ impl Walk<'_> {
                     self.nested_object(node, &root, class, parent, depth);
                 }
             }
-            _ => self.error("not-a-scene", format!("<scene> expected, got <{}>", root.tag), root.span),
+            _ => {
+                self.broken = true;
+                self.error("not-a-scene", format!("<scene> expected, got <{}>", root.tag), root.span);
+            }
         }
     }
 
@@ -90,6 +95,7 @@ impl Walk<'_> {
         }
         let (name, span) = element.get("filename").unwrap_or(("", element.span));
         let Some(path) = find(&self.search, name) else {
+            self.broken = true;
             self.diagnostics.push(not_found(name, span, &self.search));
             return;
         };
@@ -120,6 +126,7 @@ impl Walk<'_> {
     }
 
     fn syntax_error(&mut self, error: &XmlError, text: &str) {
+        self.broken = true;
         let position = error.pos();
         let line_start = match position.row.saturating_sub(1) as usize {
             0 => 0,
@@ -129,9 +136,12 @@ impl Walk<'_> {
         let at = line_start + column.map_or(text.len() - line_start, |(at, _)| at);
         // The position at the end of the message is that of the caret.
         let message = error.to_string();
-        let message = message.rsplit_once(" at ").filter(|(_, p)| p.contains(':')).map_or(&*message, |(m, _)| m);
+        let message =
+            message.rsplit_once(" at ").filter(|(_, p)| p.contains(':')).map_or(&*message, |(m, _)| m);
         let diagnostic = Diagnostic::error("xml-syntax", format!("no well-formed XML: {message}"));
-        self.diagnostics.push(diagnostic.at(self.span(at, at + 1), ""));
+        // A caret below the end of a line stays on that line.
+        let width = text[at..].chars().next().filter(|c| *c != '\n').map_or(0, char::len_utf8);
+        self.diagnostics.push(diagnostic.at(self.span(at, at + width), ""));
     }
 }
 
@@ -144,7 +154,8 @@ pub(super) fn find(search: &[PathBuf], name: &str) -> Option<PathBuf> {
 
 /// "There is no such file", with the folders that were tried.
 pub(super) fn not_found(name: &str, span: Span, search: &[PathBuf]) -> Diagnostic {
-    let folder = |p: &PathBuf| if p.as_os_str().is_empty() { ".".to_owned() } else { p.display().to_string() };
+    let folder =
+        |p: &PathBuf| if p.as_os_str().is_empty() { ".".to_owned() } else { p.display().to_string() };
     let folders: Vec<String> = search.iter().map(folder).collect();
     Diagnostic::error("missing-file", format!("there is no file \"{name}\""))
         .at(span, "")

@@ -104,6 +104,9 @@ fn load(
     report.parse_seconds = start.elapsed().as_secs_f64();
     assets.load(&mut description, diagnostics, report);
     report.total_seconds = start.elapsed().as_secs_f64();
+    // Findings come from several passes; readers go through their file from top to bottom.
+    diagnostics.list[findings_before..]
+        .sort_by_key(|d| d.label.as_ref().map(|(span, _)| (span.file, span.start, span.end)));
     let failed = diagnostics.list[findings_before..].iter().any(|d| d.severity == Severity::Error);
     (!failed).then_some(description)
 }
@@ -116,13 +119,13 @@ fn read_tree(
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
 ) -> Option<Tree> {
-    let findings_before = diagnostics.list.len();
     let mut walk = Walk {
         sources,
         diagnostics,
         definitions: Definitions::new(&options.defines),
         tree: Tree::default(),
         aliases: Vec::new(),
+        broken: false,
         open_files: Vec::new(),
         files_read: 0,
         file: 0,
@@ -131,13 +134,11 @@ fn read_tree(
     };
     walk.add_object(Class::Scene, "scene".to_owned(), Span::default(), Span::default(), None);
     read(&mut walk);
-    let broken = |d: &Diagnostic| matches!(d.code, "xml-syntax" | "missing-file" | "not-a-scene");
-    let broken = walk.diagnostics.list[findings_before..].iter().any(broken);
-    if !broken {
+    if !walk.broken {
         walk.report_unused_definitions();
         walk.resolve();
     }
-    let Walk { tree, .. } = walk;
+    let Walk { tree, broken, .. } = walk;
     (!broken).then_some(tree)
 }
 

@@ -33,7 +33,8 @@ impl Object {
 impl<'a> Translator<'a> {
     fn wrong_type(&mut self, property: &Property, expected: &str) {
         if property.value != Value::Invalid {
-            let message = format!("\"{}\": {expected} expected, got {}", property.name, property.value.kind());
+            let message =
+                format!("\"{}\": {expected} expected, got {}", property.name, property.value.kind());
             self.error("wrong-type", message, property.value_span);
         }
     }
@@ -55,7 +56,11 @@ impl<'a> Translator<'a> {
             }
         };
         if !(value as f32).is_finite() {
-            self.error("out-of-range", format!("{value} is beyond the range of numbers"), property.value_span);
+            self.error(
+                "out-of-range",
+                format!("{value:e} is beyond the range of numbers"),
+                property.value_span,
+            );
             return None;
         }
         Some(value as f32)
@@ -85,7 +90,14 @@ impl<'a> Translator<'a> {
     }
 
     /// A whole number from `low` to `high`.
-    pub fn integer_in(&mut self, object: &'a Object, name: &'static str, default: i64, low: i64, high: i64) -> i64 {
+    pub fn integer_in(
+        &mut self,
+        object: &'a Object,
+        name: &'static str,
+        default: i64,
+        low: i64,
+        high: i64,
+    ) -> i64 {
         let Some(property) = object.property(name) else { return default };
         match property.value {
             Value::Integer(v) if (low..=high).contains(&v) => v,
@@ -239,9 +251,12 @@ impl<'a> Translator<'a> {
 
     /// The nested objects of a class, named or not.
     pub fn nested_of(&mut self, object: &'a Object, class: Class) -> Vec<(ObjectId, Span)> {
-        let of_class = |p: &&Property| matches!(p.value, Value::Object(id) if self.tree.get(id).class == class);
+        let of_class =
+            |p: &&Property| matches!(p.value, Value::Object(id) if self.tree.get(id).class == class);
         let found = object.properties.iter().filter(of_class).filter(|p| !p.queried.replace(true));
-        found.filter_map(|p| if let Value::Object(id) = p.value { Some((id, p.value_span)) } else { None }).collect()
+        found
+            .filter_map(|p| if let Value::Object(id) = p.value { Some((id, p.value_span)) } else { None })
+            .collect()
     }
 
     /// The one nested object of a class, if any; further ones are reported.

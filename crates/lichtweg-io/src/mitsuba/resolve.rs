@@ -51,7 +51,8 @@ impl Walk<'_> {
     }
 
     fn unknown_id(&self, id: &str) -> Diagnostic {
-        let mut diagnostic = Diagnostic::error("unknown-id", format!("there is no object with the id \"{id}\""));
+        let mut diagnostic =
+            Diagnostic::error("unknown-id", format!("there is no object with the id \"{id}\""));
         if self.few_findings() {
             let ids: Vec<&str> = self.tree.ids.keys().map(String::as_str).collect();
             diagnostic.help.extend(hint(id, "defined", &ids));

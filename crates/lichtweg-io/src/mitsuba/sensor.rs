@@ -1,8 +1,6 @@
 //! Sensors (Mitsuba 3 `src/sensors/perspective.cpp`, `thinlens.cpp`, defaults in `src/render/sensor.cpp`).
 
-use lichtweg::scene::description::{
-    CameraDescription, Diagnostic, FieldOfView, FovAxis, SamplerDescription,
-};
+use lichtweg::scene::description::{CameraDescription, Diagnostic, FieldOfView, FovAxis, SamplerDescription};
 use lichtweg_ray::math::Affine;
 
 use super::number::{parse_float, shortened};
@@ -84,7 +82,8 @@ impl<'a> Translator<'a> {
         let open = self.float(object, "shutter_open", 0.0);
         let close = self.float(object, "shutter_close", open.max(0.0));
         if close < open {
-            let message = format!("\"shutter_close\" must not be before \"shutter_open\", {open}, and is {close}");
+            let message =
+                format!("\"shutter_close\" must not be before \"shutter_open\", {open}, and is {close}");
             self.error("out-of-range", message, object.span_of("shutter_close"));
         }
         [open, close]
@@ -103,16 +102,15 @@ impl<'a> Translator<'a> {
             return FieldOfView::Angle { degrees, axis };
         }
         // On a 35 mm film of 36 mm x 24 mm.
-        let millimetres = focal_length.map_or(50.0, |(text, span)| {
-            match parse_float(text.trim().trim_end_matches("mm")) {
+        let millimetres =
+            focal_length.map_or(50.0, |(text, span)| match parse_float(text.trim().trim_end_matches("mm")) {
                 Ok(v) if v > 1e-3 && v < 1e6 => v,
                 _ => {
                     let message = format!("focal length like \"50mm\" expected, got '{}'", shortened(text));
                     self.error("bad-value", message, span);
                     50.0
                 }
-            }
-        });
+            });
         let half_diagonal = 0.5 * (36.0f64 * 36.0 + 24.0 * 24.0).sqrt();
         let degrees = 2.0 * (half_diagonal / millimetres).atan().to_degrees();
         FieldOfView::Angle { degrees: degrees as f32, axis: FovAxis::Diagonal }

@@ -31,7 +31,11 @@ impl Walk<'_> {
         }
         let representable = total.rows.iter().flatten().all(|v| (*v as f32).is_finite());
         if !representable {
-            self.error("bad-transform", "this transform has entries beyond the range of numbers", element.span);
+            self.error(
+                "bad-transform",
+                "this transform has entries beyond the range of numbers",
+                element.span,
+            );
         }
         let wrong = !representable || self.diagnostics.list.len() > errors;
         let value = if wrong { Value::Invalid } else { Value::Transform(total) };
@@ -118,7 +122,8 @@ impl Walk<'_> {
             9 => rows.iter_mut().zip(v.chunks(3)).for_each(|(row, m)| row[..3].copy_from_slice(m)),
             16 => {
                 if v[12..15] != [0.0; 3] || v[15] == 0.0 {
-                    let message = "projective maps are not supported: the last row of a matrix must be 0 0 0 1";
+                    let message =
+                        "projective maps are not supported: the last row of a matrix must be 0 0 0 1";
                     self.error("bad-transform", message, span);
                     return None;
                 }

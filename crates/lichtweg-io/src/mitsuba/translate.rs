@@ -2,9 +2,7 @@
 
 use std::collections::HashMap;
 
-use lichtweg::scene::description::{
-    Description, Diagnostic, Diagnostics, MaterialId, Span, TextureId,
-};
+use lichtweg::scene::description::{Description, Diagnostic, Diagnostics, MaterialId, Span, TextureId};
 
 use super::assets::Assets;
 use super::suggest::hint;
@@ -79,6 +77,10 @@ impl<'a> Translator<'a> {
         for property in object.properties.iter().filter(|p| !p.queried.replace(true)) {
             if let Value::Object(id) = property.value {
                 self.refuse_object(object, property.name.as_str(), id, property.value_span);
+                continue;
+            }
+            // A reference to nothing, which is reported.
+            if property.value == Value::Invalid && property.name.is_empty() {
                 continue;
             }
             let message = format!("unknown parameter \"{}\" of {}", property.name, title(object));

@@ -24,10 +24,44 @@ pub(super) const DEEPEST: usize = 100;
 pub(super) const MOST_FILES: usize = 1000;
 
 const TAGS: [&str; 38] = [
-    "alias", "blackbody", "boolean", "bsdf", "camera", "color", "default", "emitter", "film", "float", "include",
-    "integer", "integrator", "luminaire", "medium", "path", "phase", "point", "ref", "rfilter", "rgb", "sampler",
-    "scene", "sensor", "shape", "spectrum", "srgb", "string", "subsurface", "texture", "transform", "translate",
-    "rotate", "scale", "matrix", "lookat", "vector", "volume",
+    "alias",
+    "blackbody",
+    "boolean",
+    "bsdf",
+    "camera",
+    "color",
+    "default",
+    "emitter",
+    "film",
+    "float",
+    "include",
+    "integer",
+    "integrator",
+    "luminaire",
+    "medium",
+    "path",
+    "phase",
+    "point",
+    "ref",
+    "rfilter",
+    "rgb",
+    "sampler",
+    "scene",
+    "sensor",
+    "shape",
+    "spectrum",
+    "srgb",
+    "string",
+    "subsurface",
+    "texture",
+    "transform",
+    "translate",
+    "rotate",
+    "scale",
+    "matrix",
+    "lookat",
+    "vector",
+    "volume",
 ];
 
 /// The state of reading a scene's files.
@@ -37,6 +71,8 @@ pub(super) struct Walk<'a> {
     pub definitions: Definitions,
     pub tree: Tree,
     pub aliases: Vec<Alias>,
+    /// A file could not be read or is no XML, so that what is said about the rest would not be to the point.
+    pub broken: bool,
     /// The files being read, outermost first, by their canonical paths.
     pub open_files: Vec<PathBuf>,
     /// How many files were read so far.
@@ -92,14 +128,18 @@ impl Walk<'_> {
             "include" => self.include(&element, parent, depth),
             "ref" => self.reference(&element, parent),
             "transform" => self.transform(node, &element, parent),
-            "float" | "integer" | "boolean" | "string" | "point" | "vector" => self.parameter(&element, parent),
+            "float" | "integer" | "boolean" | "string" | "point" | "vector" => {
+                self.parameter(&element, parent)
+            }
             "rgb" | "srgb" | "color" | "spectrum" | "blackbody" => self.color(&element, parent),
             "translate" | "rotate" | "scale" | "matrix" | "lookat" | "lookAt" => {
                 let message = format!("<{}> belongs into a <transform>", element.tag);
                 self.error("misplaced-element", message, element.span);
             }
             tag => match Class::of_tag(tag) {
-                Some(Class::Scene) => self.error("misplaced-element", "<scene> is the outermost element", element.span),
+                Some(Class::Scene) => {
+                    self.error("misplaced-element", "<scene> is the outermost element", element.span)
+                }
                 Some(class) => return self.object(node, &element, class, parent, depth),
                 None => return self.unknown_element(&element),
             },
@@ -109,7 +149,14 @@ impl Walk<'_> {
         }
     }
 
-    fn object(&mut self, node: Node<'_, '_>, element: &Element, class: Class, parent: ObjectId, depth: usize) {
+    fn object(
+        &mut self,
+        node: Node<'_, '_>,
+        element: &Element,
+        class: Class,
+        parent: ObjectId,
+        depth: usize,
+    ) {
         if self.check(element, &["type"], &["id", "name"]) {
             self.nested_object(node, element, class, parent, depth);
         }
@@ -244,7 +291,11 @@ impl Walk<'_> {
         let axes = ["x", "y", "z"];
         if let Some((text, span)) = element.get("value") {
             if axes.iter().any(|a| element.has(a)) {
-                self.error("bad-value", "either \"value\" or \"x\", \"y\" and \"z\" expected, got both", span);
+                self.error(
+                    "bad-value",
+                    "either \"value\" or \"x\", \"y\" and \"z\" expected, got both",
+                    span,
+                );
                 return None;
             }
             let found = parse_floats(text).and_then(|v| match v[..] {
@@ -284,10 +335,10 @@ impl Walk<'_> {
     }
 
     fn alias(&mut self, element: &Element) {
-        if self.check(element, &["id", "as"], &[]) {
-            if let (Some((id, id_span)), Some((new, new_span))) = (element.get("id"), element.get("as")) {
-                self.aliases.push(Alias { id: id.to_owned(), id_span, new: new.to_owned(), new_span });
-            }
+        if self.check(element, &["id", "as"], &[])
+            && let (Some((id, id_span)), Some((new, new_span))) = (element.get("id"), element.get("as"))
+        {
+            self.aliases.push(Alias { id: id.to_owned(), id_span, new: new.to_owned(), new_span });
         }
     }
 

@@ -1,9 +1,10 @@
 //! From statements to the neutral description.
 
-use std::collections::HashMap;
-use std::path::PathBuf;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
-use lichtweg::scene::description::{Description, MaterialId, TextureId};
+use lichtweg::scene::description::{Description, Diagnostic, MaterialId, TextureId};
 
 use super::files::Files;
 use super::material::MaskKey;
@@ -17,18 +18,20 @@ pub(super) struct Builder<'d> {
     pub scene: Description,
     pub files: Files,
     pub directory: PathBuf,
-    /// Textures built so far; the others of the same name are in the other name space.
-    pub float_textures: HashMap<String, TextureId>,
-    pub spectrum_textures: HashMap<String, TextureId>,
+    /// Textures built so far; `None` where one could not be, which is reported.
+    pub float_textures: HashMap<String, Option<TextureId>>,
+    pub spectrum_textures: HashMap<String, Option<TextureId>>,
     pub materials: Vec<MaterialStatement>,
     pub named_materials: HashMap<String, usize>,
     /// What each of `materials` became; `None` has no surface.
     pub built_materials: Vec<Option<MaterialId>>,
     pub default_material: Option<MaterialId>,
+    /// Names of materials that were reported as unknown.
+    pub missing_materials: HashSet<Rc<str>>,
     pub masks: HashMap<MaskKey, MaterialId>,
 }
 
-impl<'d> Builder<'d> {
+impl Builder<'_> {
     /// The path of a file named in the scene.
     pub fn path(&self, name: &str) -> PathBuf {
         self.directory.join(name)
@@ -54,6 +57,7 @@ pub(super) fn build(
         named_materials: std::mem::take(&mut statements.named_materials),
         built_materials: Vec::new(),
         default_material: None,
+        missing_materials: HashSet::new(),
         masks: HashMap::new(),
     };
     film::build(&mut builder, &statements);
@@ -62,13 +66,18 @@ pub(super) fn build(
     texture::build_all(&mut builder, std::mem::take(&mut statements.textures));
     material::build_all(&mut builder);
     light::build_all(&mut builder, &statements.lights);
+    let attributes = std::mem::take(&mut statements.attributes);
     shape::build_all(&mut builder, statements);
+    for (target, param) in attributes.iter().filter(|(_, param)| !param.is_used()) {
+        let text = format!("no {target} after this takes the default \"{}\"", param.name);
+        builder.report.push(Diagnostic::warning("unused-attribute", text).at(param.span, "never used"));
+    }
     builder.report.finish();
     builder.scene
 }
 
 /// Loads every file that the statements name, before any is interpreted.
-fn load_files(statements: &Statements, directory: &std::path::Path) -> Files {
+fn load_files(statements: &Statements, directory: &Path) -> Files {
     let path = |name: &str| directory.join(name);
     let meshes = statements
         .all_shapes()

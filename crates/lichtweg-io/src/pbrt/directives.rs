@@ -10,13 +10,14 @@ use std::rc::Rc;
 use lichtweg::scene::description::{Diagnostic, Span};
 use lichtweg_ray::math::Affine;
 
-use super::color_space::ColorSpace;
+use super::blocks::{close, object_begin, object_instance, open, open_object, report_open_block};
 use super::params::{Params, list};
 use super::parser::{Parser, Reported};
 use super::report::suggest;
+use super::settings::{color_space, medium_interface, option};
 use super::state::{
-    ATTRIBUTE_TARGETS, Block, BlockKind, Entity, InstanceStatement, LightStatement, MaterialChoice,
-    MaterialStatement, ShapeStatement, TextureStatement,
+    ATTRIBUTE_TARGETS, BlockKind, Entity, LightStatement, MaterialChoice, MaterialStatement, ShapeStatement,
+    TextureStatement,
 };
 use super::token::{Kind, Token};
 use super::transform;
@@ -102,7 +103,8 @@ fn unknown(parser: &mut Parser, token: Token, word: &str) -> Reported {
         let diagnostic = Diagnostic::error("unknown-directive", format!("{word} is no directive"));
         suggest(diagnostic.at(span, "unknown directive"), word, DIRECTIVES.iter().map(|(name, _)| *name))
     } else {
-        Diagnostic::error("syntax", format!("expected a directive, found {word}")).at(span, "belongs to nothing")
+        Diagnostic::error("syntax", format!("expected a directive, found {word}"))
+            .at(span, "belongs to nothing")
     });
     Reported
 }
@@ -125,7 +127,8 @@ fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
         "ActiveTransform" => active_transform(parser)?,
         "AreaLightSource" => {
             let light = entity(parser, "AreaLightSource", Some("light"))?;
-            parser.graphics.area_light = Some(Rc::new(light));
+            parser.graphics.area_light = Some(parser.statements.area_lights.len());
+            parser.statements.area_lights.push(light);
         }
         "Attribute" => attribute(parser)?,
         "AttributeBegin" => open(parser, BlockKind::Attribute, span),
@@ -217,7 +220,7 @@ fn entity(parser: &mut Parser, directive: &'static str, target: Option<&str>) ->
 fn params(parser: &mut Parser, target: Option<&str>) -> Params {
     let own = parser.parameters(parser.graphics.color_space);
     let index = target.and_then(|t| ATTRIBUTE_TARGETS.iter().position(|name| *name == t));
-    Params::new(own, index.map_or_else(Vec::new, |i| parser.graphics.attributes[i].clone()))
+    Params::new(own, index.map_or_else(Rc::default, |i| parser.graphics.attributes[i].clone()))
 }
 
 fn active_transform(parser: &mut Parser) -> Result<(), Reported> {
@@ -236,7 +239,15 @@ fn attribute(parser: &mut Parser) -> Result<(), Reported> {
     let (target, span) = parser.quoted("what the defaults are for")?;
     let own = params(parser, None).into_own();
     match ATTRIBUTE_TARGETS.iter().position(|name| *name == target) {
-        Some(index) => parser.graphics.attributes[index].extend(own.into_iter().map(Rc::new)),
+        Some(index) => {
+            let own: Vec<_> = own.into_iter().map(Rc::new).collect();
+            let target = ATTRIBUTE_TARGETS[index];
+            parser.statements.attributes.extend(own.iter().map(|param| (target, param.clone())));
+            let current = Rc::make_mut(&mut parser.graphics.attributes[index]);
+            // A later default of the same name and type prevails.
+            current.retain(|old| own.iter().all(|new| new.name != old.name || new.kind != old.kind));
+            current.extend(own);
+        }
         None => {
             let text = format!("\"{target}\" has no attributes");
             let diagnostic = Diagnostic::error("unknown-name", text)
@@ -258,25 +269,6 @@ fn camera(parser: &mut Parser) -> Result<(), Reported> {
     Ok(())
 }
 
-fn color_space(parser: &mut Parser) -> Result<(), Reported> {
-    let (name, span) = parser.quoted("the name of a colour space")?;
-    if let Some((_, space)) = ColorSpace::NAMES.iter().find(|(known, _)| *known == name) {
-        parser.graphics.color_space = *space;
-    } else if name == "aces2065-1" {
-        let text = "the colour space ACES 2065-1 is not supported";
-        let diagnostic = Diagnostic::error("unsupported", text).at(span, "this colour space");
-        parser.report.unsupported(diagnostic, "its numbers are taken as linear sRGB");
-        parser.graphics.color_space = ColorSpace::Srgb;
-    } else {
-        let known = ColorSpace::NAMES.map(|(name, _)| name);
-        let diagnostic = Diagnostic::error("unknown-name", format!("\"{name}\" is no colour space"))
-            .at(span, "unknown colour space")
-            .help(format!("known are {}", list(&known)));
-        parser.report.push(suggest(diagnostic, &name, known));
-    }
-    Ok(())
-}
-
 fn include(parser: &mut Parser) -> Result<(), Reported> {
     let (name, span) = parser.quoted("the name of a file")?;
     let path = parser.directory.join(name);
@@ -295,17 +287,6 @@ fn import(parser: &mut Parser) -> Result<(), Reported> {
         report_open_block(parser);
     }
     parser.graphics = saved;
-    Ok(())
-}
-
-fn medium_interface(parser: &mut Parser) -> Result<(), Reported> {
-    let (inside, span) = parser.quoted("the name of a medium, or \"\"")?;
-    let outside = parser.quoted_if().map(|(name, _)| name);
-    if !inside.is_empty() || outside.is_some_and(|name| !name.is_empty()) {
-        let text = "participating media are not supported";
-        let diagnostic = Diagnostic::error("unsupported", text).at(span, "this medium");
-        parser.report.unsupported(diagnostic, "space is left empty");
-    }
     Ok(())
 }
 
@@ -368,7 +349,7 @@ fn shape(parser: &mut Parser) -> Result<(), Reported> {
     match open_object(parser) {
         None => parser.statements.shapes.push(shape),
         Some(None) => {}
-        Some(Some(name)) => {
+        Some(Some(_)) => {
             if shape.area_light.is_some() {
                 let text = "shapes in an object emit no light";
                 let diagnostic = Diagnostic::warning("dark-object", text)
@@ -377,95 +358,9 @@ fn shape(parser: &mut Parser) -> Result<(), Reported> {
                 parser.report.push(diagnostic);
             }
             let shape = ShapeStatement { area_light: None, ..shape };
-            parser.statements.objects.entry(name).or_default().shapes.push(shape);
-        }
-    }
-    Ok(())
-}
-
-/// The object whose definition is open, `Some(None)` if its name was refused.
-fn open_object(parser: &Parser) -> Option<Option<String>> {
-    parser.blocks.iter().rev().find_map(|block| match &block.kind {
-        BlockKind::Object(name) => Some(name.clone()),
-        _ => None,
-    })
-}
-
-fn object_begin(parser: &mut Parser, span: Span) -> Result<(), Reported> {
-    let (name, name_span) = parser.quoted("a name for the object")?;
-    let wrong = if open_object(parser).is_some() {
-        Some(("nesting", "an object cannot be defined inside of another".to_owned()))
-    } else if parser.statements.objects.contains_key(&name) {
-        Some(("redefined-name", format!("there is an object \"{name}\" already")))
-    } else {
-        None
-    };
-    let refused = wrong.is_some();
-    if let Some((code, text)) = wrong {
-        parser.report.push(Diagnostic::error(code, text).at(name_span, "this object"));
-    } else {
-        parser.statements.objects.insert(name.clone(), super::state::ObjectStatement::default());
-    }
-    open(parser, BlockKind::Object((!refused).then_some(name)), span);
-    Ok(())
-}
-
-fn object_instance(parser: &mut Parser) -> Result<(), Reported> {
-    let (object, span) = parser.quoted("the name of an object")?;
-    if open_object(parser).is_some() {
-        let text = "an object cannot be used inside of another";
-        parser.report.push(Diagnostic::error("nesting", text).at(span, "used here"));
-        return Ok(());
-    }
-    let to_world = static_transform(parser, span);
-    parser.statements.instances.push(InstanceStatement { object, span, to_world });
-    Ok(())
-}
-
-fn option(parser: &mut Parser) -> Result<(), Reported> {
-    /// Options, and whether another value than false changes the image.
-    const OPTIONS: [(&str, bool); 10] = [
-        ("disablepixeljitter", true),
-        ("disabletexturefiltering", false),
-        ("disablewavelengthjitter", true),
-        ("displacementedgescale", false),
-        ("forcediffuse", true),
-        ("msereferenceimage", false),
-        ("msereferenceout", false),
-        ("pixelstats", false),
-        ("rendercoordsys", false),
-        ("wavefront", false),
-    ];
-    let (name, span) = parser.quoted("the name of an option")?;
-    let token = parser.next_token();
-    let Some(value) = token.filter(|t| matches!(t.kind, Kind::Word | Kind::Quoted)) else {
-        return Err(parser.unexpected(token, "the option's value"));
-    };
-    let value = parser.text(value).trim_matches('"').to_owned();
-    // pbrt takes no notice of letter case and of dashes and underscores.
-    let plain = name.to_ascii_lowercase().replace(['-', '_'], "");
-    if plain == "seed" {
-        match value.parse() {
-            Ok(seed) => parser.statements.seed = seed,
-            Err(_) => {
-                let text = format!("the seed {value} is no integer");
-                parser.report.push(Diagnostic::error("bad-value", text).at(span, "this option"));
+            if let Some(object) = parser.statements.objects.last_mut() {
+                object.shapes.push(shape);
             }
-        }
-        return Ok(());
-    }
-    match OPTIONS.iter().find(|(known, _)| *known == plain) {
-        Some((_, matters)) if !matters || value == "false" => {}
-        Some(_) => {
-            let text = format!("the option \"{name}\" is not supported");
-            let diagnostic = Diagnostic::error("unsupported", text).at(span, "this option");
-            parser.report.unsupported(diagnostic, "it is left at false");
-        }
-        None => {
-            let text = format!("there is no option \"{name}\"");
-            let diagnostic = Diagnostic::error("unknown-name", text).at(span, "unknown option");
-            let known = OPTIONS.iter().map(|(known, _)| *known).chain(["seed"]);
-            parser.report.push(suggest(diagnostic, &plain, known));
         }
     }
     Ok(())
@@ -478,49 +373,12 @@ fn world_begin(parser: &mut Parser) {
     parser.coordinate_systems.insert("world".to_owned(), [Affine::IDENTITY; 2]);
 }
 
-fn open(parser: &mut Parser, kind: BlockKind, span: Span) {
-    let saved = parser.graphics.clone();
-    parser.blocks.push(Block { kind, span, saved });
-}
-
-fn close(parser: &mut Parser, kind: &BlockKind, span: Span) {
-    let same = |a: &BlockKind| std::mem::discriminant(a) == std::mem::discriminant(kind);
-    let [begin, end] = kind.directives();
-    match parser.blocks.pop() {
-        Some(block) if same(&block.kind) => parser.graphics = block.saved,
-        Some(block) => {
-            let [open, expected] = block.kind.directives();
-            let text = format!("{end} does not close the innermost block, which {open} opened");
-            let diagnostic = Diagnostic::error("nesting", text).at(span, format!("expected {expected}"));
-            parser.report.push(diagnostic);
-            if parser.blocks.iter().any(|b| same(&b.kind)) {
-                // The inner block was left open: close it as well.
-                return close(parser, kind, span);
-            }
-            parser.blocks.push(block);
-        }
-        None => {
-            let text = format!("{end} without {begin}");
-            parser.report.push(Diagnostic::error("nesting", text).at(span, "closes nothing"));
-        }
-    }
-}
-
-/// Reports the innermost open block as never closed, and forgets it.
-pub(super) fn report_open_block(parser: &mut Parser) {
-    if let Some(block) = parser.blocks.pop() {
-        let [begin, end] = block.kind.directives();
-        let text = format!("{begin} without {end}");
-        parser.report.push(Diagnostic::error("nesting", text).at(block.span, "opened here, never closed"));
-    }
-}
-
 /// The current transform, which must not move.
-fn static_transform(parser: &mut Parser, span: Span) -> Affine {
+pub(super) fn static_transform(parser: &mut Parser, span: Span) -> Affine {
     let [start, end] = parser.graphics.transforms;
     if start != end {
-        let diagnostic =
-            Diagnostic::error("unsupported", "motion is not supported").at(span, "moves while the shutter is open");
+        let diagnostic = Diagnostic::error("unsupported", "motion is not supported")
+            .at(span, "moves while the shutter is open");
         parser.report.unsupported(diagnostic, "it stays where it is at the start");
     }
     start

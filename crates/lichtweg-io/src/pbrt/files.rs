@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::params::Param;
 use super::report::Report;
+use super::source_file::{has_extension, read_bytes};
 use super::winding;
 use crate::image::read_image;
 use crate::mesh;
@@ -42,8 +43,7 @@ impl<T> Default for Table<T> {
 impl Files {
     /// Loads all files of two lists, which may repeat themselves.
     pub fn load(meshes: Vec<PathBuf>, images: Vec<PathBuf>) -> Self {
-        let (meshes, images) =
-            rayon::join(|| load_all(meshes, load_mesh), || load_all(images, load_image));
+        let (meshes, images) = rayon::join(|| load_all(meshes, load_mesh), || load_all(images, load_image));
         Self {
             meshes: Table { loaded: meshes, told: HashSet::new() },
             images: Table { loaded: images, told: HashSet::new() },
@@ -125,20 +125,6 @@ fn load_image(path: &Path) -> Loaded<Image> {
     Ok((Arc::new(loaded.image), loaded.warnings))
 }
 
-/// The bytes of a file of at most `most`, unpacked if its name ends in `.gz`.
-pub(super) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
-    let bytes = mesh::read_regular_file(path).map_err(|(found, help)| format!("{found}; {help}"))?;
-    if has_extension(path, "gz") {
-        return super::parser::unpack(&bytes, most);
-    }
-    if bytes.len() as u64 > most { Err(format!("larger than {most} bytes")) } else { Ok(bytes) }
-}
-
 fn unreadable(code: &'static str, path: &Path, why: &str) -> Diagnostic {
     Diagnostic::error(code, format!("{}: {why}", path.display()))
-}
-
-/// Whether a file's name ends in an extension, of any letter case.
-pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

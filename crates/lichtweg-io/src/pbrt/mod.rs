@@ -15,26 +15,30 @@
 //!
 //! Limits: see the messages; no motion, no media, no hair, no subdivision.
 
+mod blocks;
 mod build;
 mod camera;
 mod color_space;
 mod directives;
 mod files;
 mod film;
-mod glass;
 mod light;
 mod material;
+mod named_spectra;
 mod octahedral;
 mod params;
 mod parser;
 mod report;
 mod sampling;
+mod settings;
 mod shape;
+mod source_file;
 mod spectrum;
 mod state;
 mod texture;
 mod token;
 mod transform;
+mod values;
 mod winding;
 
 use std::path::Path;
@@ -97,6 +101,8 @@ fn run(
     parse(&mut parser);
     let (statements, report) = parser.finish();
     let scene = build::build(statements, name.to_owned(), directory.to_owned(), report);
-    let failed = diagnostics.list[before..].iter().any(|d| d.severity == lichtweg::scene::description::Severity::Error);
+    let failed = diagnostics.list[before..]
+        .iter()
+        .any(|d| d.severity == lichtweg::scene::description::Severity::Error);
     (!failed).then_some(scene)
 }

@@ -112,13 +112,7 @@ pub(super) struct Param {
 }
 
 impl Param {
-    pub fn new(
-        name: String,
-        kind: Type,
-        values: Values,
-        spans: [Span; 2],
-        color_space: ColorSpace,
-    ) -> Self {
+    pub fn new(name: String, kind: Type, values: Values, spans: [Span; 2], color_space: ColorSpace) -> Self {
         let [span, values_span] = spans;
         Self { name, kind, values, span, values_span, color_space, used: Cell::new(false) }
     }
@@ -139,6 +133,11 @@ impl Param {
         }
     }
 
+    /// Whether anything has asked for it.
+    pub fn is_used(&self) -> bool {
+        self.used.get()
+    }
+
     /// An error about its values.
     pub fn bad_value(&self, message: impl Into<String>, label: impl Into<String>) -> Diagnostic {
         Diagnostic::error("bad-value", message).at(self.values_span, label)
@@ -150,12 +149,12 @@ impl Param {
 pub(super) struct Params {
     own: Vec<Param>,
     /// Defaults from `Attribute` directives, which may go unused.
-    inherited: Vec<Rc<Param>>,
+    inherited: Rc<Vec<Rc<Param>>>,
     asked: RefCell<Vec<(&'static str, Type)>>,
 }
 
 impl Params {
-    pub fn new(own: Vec<Param>, inherited: Vec<Rc<Param>>) -> Self {
+    pub fn new(own: Vec<Param>, inherited: Rc<Vec<Rc<Param>>>) -> Self {
         Self { own, inherited, asked: RefCell::default() }
     }
 
@@ -179,8 +178,9 @@ impl Params {
         }
         drop(asked);
         let own = self.own.iter().rev();
-        let mut found =
-            own.chain(self.inherited.iter().rev().map(|p| &**p)).filter(|p| p.name == name && kinds.contains(&p.kind));
+        let mut found = own
+            .chain(self.inherited.iter().rev().map(|p| &**p))
+            .filter(|p| p.name == name && kinds.contains(&p.kind));
         let first = found.next()?;
         first.used.set(true);
         // An own one that a later one overrides is no unknown parameter.
@@ -285,13 +285,7 @@ impl Params {
     }
 
     /// Three numbers of the type `kind`.
-    pub fn triple(
-        &self,
-        name: &'static str,
-        kind: Type,
-        default: [f64; 3],
-        report: &mut Report,
-    ) -> [f64; 3] {
+    pub fn triple(&self, name: &'static str, kind: Type, default: [f64; 3], report: &mut Report) -> [f64; 3] {
         match self.one(name, kind, report).map(Param::numbers) {
             Some(&[x, y, z]) => [x, y, z].map(f64::from),
             _ => default,
@@ -335,7 +329,8 @@ impl Params {
                 asked.iter().filter(|(n, _)| *n == param.name).map(|(_, t)| t.name()).collect();
             report.push(if types.is_empty() {
                 let message = format!("{object} has no parameter \"{}\"", param.name);
-                let diagnostic = Diagnostic::error("unknown-parameter", message).at(param.span, "not known here");
+                let diagnostic =
+                    Diagnostic::error("unknown-parameter", message).at(param.span, "not known here");
                 suggest(diagnostic, &param.name, asked.iter().map(|(n, _)| *n))
             } else {
                 let message = format!(

@@ -3,25 +3,25 @@
 //! A mistake is reported and the parser goes on at the next directive, so that one run finds them all.
 
 use std::collections::HashMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use lichtweg::scene::description::{Diagnostic, SourceMap, Span};
 
+use super::blocks;
 use super::color_space::ColorSpace;
 use super::directives;
 use super::params::{Param, Type, Values};
 use super::report::{Report, suggest};
+use super::source_file::read_text;
 use super::state::{Block, Graphics, Statements};
 use super::token::{self, Kind, Token};
+use super::values::{ValueReader, number_of};
 
 /// Deepest nesting of files that include each other.
 const DEEPEST_INCLUDE: usize = 64;
 /// Most files read by `Include` and `Import`, repetitions counted: a few files can include each other without a cycle
 /// exponentially often.
 const MOST_INCLUDES: usize = 100_000;
-/// Spans count bytes in 32 bits.
-const MOST_BYTES: u64 = u32::MAX as u64;
 
 /// A mistake that has been reported; the parser goes on at the next directive.
 pub(super) struct Reported;
@@ -35,6 +35,8 @@ pub(super) struct Parser<'a, 'd> {
     pub statements: Statements,
     pub graphics: Graphics,
     pub blocks: Vec<Block>,
+    /// Blocks that are open beyond the deepest nesting.
+    pub unsaved_blocks: usize,
     pub coordinate_systems: HashMap<String, [lichtweg_ray::math::Affine; 2]>,
     pub in_world: bool,
     file: u32,
@@ -55,6 +57,7 @@ impl<'a, 'd> Parser<'a, 'd> {
             statements: Statements::default(),
             graphics: Graphics::default(),
             blocks: Vec::new(),
+            unsaved_blocks: 0,
             coordinate_systems: HashMap::new(),
             in_world: false,
             file: 0,
@@ -69,7 +72,7 @@ impl<'a, 'd> Parser<'a, 'd> {
     /// What was stated, once blocks left open at the end are reported.
     pub fn finish(mut self) -> (Statements, Report<'d>) {
         while !self.blocks.is_empty() {
-            directives::report_open_block(&mut self);
+            blocks::report_open_block(&mut self);
         }
         if !self.in_world && !self.report.is_full() {
             self.report.push(
@@ -155,6 +158,17 @@ impl<'a, 'd> Parser<'a, 'd> {
         }
     }
 
+    /// Passes over what is left of a bad list of values.
+    fn skip_to_parameter(&mut self) {
+        while let Some(token) = self.next_token() {
+            let is_directive = token.kind == Kind::Word && directives::is_known(self.text(token));
+            if token.kind == Kind::Quoted || is_directive {
+                self.peeked = Some(token);
+                return;
+            }
+        }
+    }
+
     /// The next token; unterminated strings are reported and passed over.
     pub fn next_token(&mut self) -> Option<Token> {
         if let Some(token) = self.peeked.take() {
@@ -206,8 +220,7 @@ impl<'a, 'd> Parser<'a, 'd> {
         };
         let message = format!("expected {expected}, found {found}");
         self.report.push(Diagnostic::error("syntax", message).at(span, format!("expected {expected}")));
-        // What stands there may be the next directive.
-        self.peeked = token;
+        self.peeked = token.filter(|t| t.kind == Kind::Word && directives::is_known(self.text(*t)));
         Reported
     }
 
@@ -291,6 +304,9 @@ impl<'a, 'd> Parser<'a, 'd> {
                 self.report.push(suggest(diagnostic, type_name, Type::names()));
             }
             let values = self.values(kind.unwrap_or(Type::String), kind.is_some() && !name.is_empty());
+            if values.is_err() {
+                self.skip_to_parameter();
+            }
             if let (Ok((values, values_span)), Some(kind), false) = (values, kind, name.is_empty()) {
                 if list.iter().any(|p| p.name == name && p.kind == kind) {
                     let text = format!("parameter \"{name}\" is stated twice");
@@ -335,7 +351,9 @@ impl<'a, 'd> Parser<'a, 'd> {
             let text = shortened(self.text(token));
             let message = format!("{text} is not {}", read.expected());
             let span = self.span_of(token);
-            self.report.push(Diagnostic::error("bad-value", message).at(span, format!("expected {}", read.expected())));
+            self.report.push(
+                Diagnostic::error("bad-value", message).at(span, format!("expected {}", read.expected())),
+            );
             return Err(Reported);
         }
         Ok((read.values, self.span(first.start, end)))
@@ -354,76 +372,6 @@ impl<'a, 'd> Parser<'a, 'd> {
     }
 }
 
-/// Turns tokens into values of a type.
-struct ValueReader {
-    kind: Type,
-    values: Values,
-}
-
-impl ValueReader {
-    fn new(kind: Type) -> Self {
-        let values = match kind {
-            Type::Bool => Values::Bools(Vec::new()),
-            Type::Integer => Values::Integers(Vec::new()),
-            Type::String | Type::Texture => Values::Strings(Vec::new()),
-            _ => Values::Numbers(Vec::new()),
-        };
-        Self { kind, values }
-    }
-
-    /// Adds a value; false if it is of another kind.
-    fn push(&mut self, kind: Kind, text: &str) -> bool {
-        match (&mut self.values, kind) {
-            (Values::Numbers(numbers), Kind::Word) => match number_of::<f32>(text) {
-                Some(value) => numbers.push(value),
-                None => return false,
-            },
-            (Values::Integers(integers), Kind::Word) => match text.strip_prefix('+').unwrap_or(text).parse() {
-                Ok(value) => integers.push(value),
-                Err(_) => return false,
-            },
-            (Values::Bools(bools), _) => match text.trim_matches('"') {
-                "true" => bools.push(true),
-                "false" => bools.push(false),
-                _ => return false,
-            },
-            (Values::Strings(strings), Kind::Quoted) => {
-                match token::unescape(&text[1..text.len() - 1]) {
-                    Ok(text) => strings.push(text.into_owned()),
-                    Err(_) => return false,
-                }
-            }
-            // A spectrum is a list of numbers, or a name.
-            (Values::Numbers(numbers), Kind::Quoted) if self.kind == Type::Spectrum && numbers.is_empty() => {
-                self.values = Values::Strings(Vec::new());
-                return self.push(kind, text);
-            }
-            _ => return false,
-        }
-        true
-    }
-
-    fn expected(&self) -> &'static str {
-        match (&self.values, self.kind) {
-            (Values::Bools(_), _) => "true or false",
-            (Values::Integers(_), _) => "an integer of 32 bits",
-            (Values::Strings(_), _) => "a quoted string with known escapes",
-            (Values::Numbers(_), Type::Spectrum) => "a number or a spectrum's name",
-            (Values::Numbers(_), _) => "a finite number",
-        }
-    }
-}
-
-/// The number of a word: decimal digits, a point, an exponent; finite, and no name such as `nan`.
-fn number_of<T: fast_float2::FastFloat + Into<f64> + Copy>(text: &str) -> Option<T> {
-    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
-    if !digits.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
-        return None;
-    }
-    let number: T = fast_float2::parse(text.strip_prefix('+').unwrap_or(text)).ok()?;
-    number.into().is_finite().then_some(number)
-}
-
 /// A piece of source for a message, cut to a readable length.
 fn shortened(text: &str) -> String {
     const MOST: usize = 40;
@@ -431,30 +379,4 @@ fn shortened(text: &str) -> String {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.to_owned(),
     }
-}
-
-/// The text of a file, unpacked if its name ends in `.gz`, and whether it was UTF-8.
-fn read_text(path: &Path) -> Result<(String, bool), String> {
-    let bytes = super::files::read_bytes(path, MOST_BYTES)?;
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err("the file is encoded as UTF-16; convert it to UTF-8".to_owned());
-    }
-    match String::from_utf8(bytes) {
-        Ok(text) => Ok((text, true)),
-        Err(error) => {
-            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            if text.len() as u64 > MOST_BYTES { Err("too large".to_owned()) } else { Ok((text, false)) }
-        }
-    }
-}
-
-/// Unpacks a gzip file of at most `most` bytes.
-pub(super) fn unpack(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
-    let mut out = Vec::new();
-    let mut reader = flate2::read::MultiGzDecoder::new(bytes).take(most + 1);
-    reader.read_to_end(&mut out).map_err(|e| format!("not a whole gzip file ({e})"))?;
-    if out.len() as u64 > most {
-        return Err(format!("more than {most} bytes when unpacked"));
-    }
-    Ok(out)
 }

@@ -47,7 +47,8 @@ pub(super) struct ShapeStatement {
     pub to_world: Affine,
     pub reverse_orientation: bool,
     pub material: MaterialChoice,
-    pub area_light: Option<Rc<Entity>>,
+    /// An index into [`Statements::area_lights`].
+    pub area_light: Option<usize>,
 }
 
 /// A texture with its name.
@@ -73,8 +74,9 @@ pub(super) struct LightStatement {
 }
 
 /// What stands between `ObjectBegin` and `ObjectEnd`.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct ObjectStatement {
+    pub name: String,
     pub shapes: Vec<ShapeStatement>,
 }
 
@@ -97,6 +99,8 @@ pub(super) struct Statements {
     pub integrator: Option<Entity>,
     /// From `Option "seed"`.
     pub seed: i64,
+    /// All defaults from `Attribute`, with their target.
+    pub attributes: Vec<(&'static str, Rc<Param>)>,
     pub textures: Vec<TextureStatement>,
     /// Whether it is a float texture, and its name.
     pub texture_names: HashSet<(bool, String)>,
@@ -104,14 +108,16 @@ pub(super) struct Statements {
     pub named_materials: HashMap<String, usize>,
     pub lights: Vec<LightStatement>,
     pub shapes: Vec<ShapeStatement>,
-    pub objects: HashMap<String, ObjectStatement>,
+    pub area_lights: Vec<Entity>,
+    pub object_names: HashSet<String>,
+    pub objects: Vec<ObjectStatement>,
     pub instances: Vec<InstanceStatement>,
 }
 
 impl Statements {
     /// All shapes, those of objects once.
     pub fn all_shapes(&self) -> impl Iterator<Item = &ShapeStatement> {
-        self.shapes.iter().chain(self.objects.values().flat_map(|o| &o.shapes))
+        self.shapes.iter().chain(self.objects.iter().flat_map(|o| &o.shapes))
     }
 }
 
@@ -128,10 +134,10 @@ pub(super) struct Graphics {
     pub inactive: [bool; 2],
     pub reverse_orientation: bool,
     pub material: MaterialChoice,
-    pub area_light: Option<Rc<Entity>>,
+    pub area_light: Option<usize>,
     pub color_space: ColorSpace,
     /// Defaults by target, see [`ATTRIBUTE_TARGETS`].
-    pub attributes: [Vec<Rc<Param>>; 5],
+    pub attributes: [Rc<Vec<Rc<Param>>>; 5],
 }
 
 impl Graphics {

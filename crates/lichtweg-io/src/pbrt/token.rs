@@ -78,7 +78,10 @@ pub(super) fn next(source: &str, position: &mut usize) -> Result<Option<Token>, 
             };
         }
         _ => {
-            while bytes.get(at).is_some_and(|b| !matches!(b, b' ' | b'\n' | b'\t' | b'\r' | b'"' | b'[' | b']')) {
+            while bytes
+                .get(at)
+                .is_some_and(|b| !matches!(b, b' ' | b'\n' | b'\t' | b'\r' | b'"' | b'[' | b']'))
+            {
                 at += 1;
             }
             *position = at;
@@ -152,7 +155,9 @@ mod tests {
 
     #[test]
     fn strings_end_on_their_line() {
-        for (source, end) in [("\"abc", 4), ("\"abc\nx\"", 4), ("\"ab\\\"", 5), ("\"ab\\\"\n\"", 5), ("\"", 1)] {
+        for (source, end) in
+            [("\"abc", 4), ("\"abc\nx\"", 4), ("\"ab\\\"", 5), ("\"ab\\\"\n\"", 5), ("\"", 1)]
+        {
             let mut position = 0;
             assert_eq!(next(source, &mut position), Err(Unterminated { start: 0, end }), "{source}");
             assert_eq!(position, end);

@@ -20,7 +20,7 @@ pub struct AliasTable {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Bucket {
-    /// Share of the bucket that its own entry keeps, in [0,1].
+    /// Share of the bucket that its own entry keeps, in `[0,1]`.
     threshold: f32,
     alias: u32,
     pmf: f32,
@@ -72,8 +72,8 @@ impl AliasTable {
         Ok(Self { buckets })
     }
 
-    /// Draws by a uniform number in [0,1) of 24 bits. With n entries, only 24 - log2 n bits are left to choose inside a
-    /// bucket: for more than a few hundred entries use [`AliasTable::sample_f64`].
+    /// Draws by a uniform number in [0,1) of 24 bits. With n entries, only 24 - log2 n bits are left to choose
+    /// inside a bucket: for more than a few hundred entries use [`AliasTable::sample_f64`].
     #[inline]
     #[must_use]
     pub fn sample(&self, u: f32) -> Pick {

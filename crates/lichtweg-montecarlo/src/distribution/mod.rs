@@ -4,8 +4,8 @@
 //! |---|---|---|---|
 //! | [`AliasTable`] | an index | O(1) | 12 bytes |
 //! | [`Discrete`] | an index, monotone in u (keeps stratification) | O(log n) | 4 bytes |
-//! | [`PiecewiseConstant1D`] | a point of [0,1] | O(log n) | 4 bytes |
-//! | [`PiecewiseConstant2D`] | a point of [0,1]^2 | O(log w + log h) | 4 bytes |
+//! | [`PiecewiseConstant1D`] | a point of `[0,1]` | O(log n) | 4 bytes |
+//! | [`PiecewiseConstant2D`] | a point of `[0,1]^2` | O(log h), columns about O(1) | 4.25 bytes |
 //!
 //! In all of them an entry of weight zero is never drawn, and one of positive weight always can be.
 

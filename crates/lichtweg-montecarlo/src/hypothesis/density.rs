@@ -2,13 +2,14 @@
 //! sphere.
 //!
 //! A pilot run places the cells (see the partition); an independent run fills them; the density is integrated over
-//! each. Two tests come out: the shape (chi-squared over the cells, given how many samples were valid) and the mass (the
-//! fraction of valid samples against the integral of the density, which may be below one).
+//! each. Two tests come out: the shape (chi-squared over the cells, given how many samples were valid) and the mass
+//! (the fraction of valid samples against the integral of the density, which may be below one).
 
-use super::partition::{Partition, Rectangle, integrate};
+use super::partition::{Partition, Rectangle};
+use super::quadrature::integrate;
 use super::{ChiSquaredError, Outcome, chi_squared_test, z_test};
 use crate::{Sampler, SamplerKind};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::fmt;
 
 /// Settings of a test of a sampler against its density. Start from the default:
@@ -78,7 +79,8 @@ impl fmt::Display for DensityReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "chi-squared {:.1} with {} degrees of freedom (p = {:.3e}); sampled fraction {:.6}, integral {:.6} (p = {:.3e})",
+            "chi-squared {:.1} with {} degrees of freedom (p = {:.3e}); \
+             sampled fraction {:.6}, integral {:.6} (p = {:.3e})",
             self.shape.statistic,
             self.shape.dof,
             self.shape.p_value,
@@ -125,8 +127,8 @@ impl From<ChiSquaredError> for DensityTestError {
 const STRAY_FRACTION: f64 = 1e-5;
 
 impl DensityTest {
-    /// Tests directions against a density per solid angle. `sample` draws one (of any length) or `None` for an invalid
-    /// sample, a delta lobe and the like; `pdf` takes a unit direction.
+    /// Tests directions against a density per solid angle. `sample` draws one (of any length) or `None` for an
+    /// invalid sample, a delta lobe and the like; `pdf` takes a unit direction.
     ///
     /// # Errors
     /// See [`DensityTestError`].
@@ -208,10 +210,12 @@ impl DensityTest {
         let mut invalid = None;
         let mut f = |p| {
             let (value, place) = density(p);
-            if !(value >= 0.0 && value.is_finite()) {
-                invalid.get_or_insert(place);
+            if value >= 0.0 && value.is_finite() {
+                return value;
             }
-            value
+            invalid.get_or_insert(place);
+            // Ends the refinement of the cell.
+            f64::NAN
         };
         let tolerance = 1e-4 / partition.cells().count() as f64;
         let mut probabilities = vec![0.0; partition.len()];
@@ -253,7 +257,5 @@ fn cylinder_point([x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
     // z alone has lost the digits that tell directions near a pole apart.
     let from_pole = (x * x + y * y) / (length * (length + z.abs()));
     let cos_theta = (1.0 - from_pole).copysign(z);
-    let phi = y.atan2(x);
-    debug_assert!(phi.abs() <= 0.5 * TAU);
-    Some([cos_theta, phi])
+    Some([cos_theta, y.atan2(x)])
 }

@@ -2,9 +2,9 @@
 //!
 //! # Convention
 //!
-//! Every test returns the p-value of "they agree" ([`Outcome::p_value`]). It fails when p < alpha, with alpha = 0.01 for a family of n
-//! tests together, so each single one is held to [`sidak`]`(0.01, n)`. A p-value that is NaN fails. Seeds are fixed,
-//! so a test that passes keeps passing until the code under test changes.
+//! Every test returns the p-value of "they agree" ([`Outcome::p_value`]). It fails when p < alpha, with alpha =
+//! 0.01 for a family of n tests together, so each single one is held to [`sidak`]`(0.01, n)`. A p-value that is NaN
+//! fails. Seeds are fixed, so a test that passes keeps passing until the code under test changes.
 //!
 //! * sample() against pdf(): [`DensityTest`], 10^6 samples, cells with an expectation below 5 pooled.
 //! * two estimates of one number: [`welch_t_test`] (few samples), [`z_test`] (many).
@@ -18,6 +18,7 @@ mod density;
 mod means;
 mod multiple;
 mod partition;
+mod quadrature;
 
 pub use binomial::{binomial_cdf, binomial_interval, binomial_survival, binomial_test};
 pub use chi_squared::{ChiSquaredError, MIN_EXPECTED, chi_squared_test};

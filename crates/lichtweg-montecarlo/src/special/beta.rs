@@ -4,7 +4,7 @@ use super::gamma::{deviance, stirling_error};
 use super::{continued_fraction, term_limit};
 use std::f64::consts::TAU;
 
-/// I_x(a,b) for a, b > 0 and x in [0,1]: the probability that a Beta(a,b) variable is below x.
+/// I_x(a,b) for a, b > 0 and x in `[0,1]`: the probability that a Beta(a,b) variable is below x.
 #[must_use]
 pub fn regularized_beta(x: f64, a: f64, b: f64) -> f64 {
     regularized_beta_complement(x, 1.0 - x, a, b)
@@ -27,9 +27,9 @@ pub(super) fn regularized_beta_complement(x: f64, y: f64, a: f64, b: f64) -> f64
     }
 }
 
-/// I_x(a,b) for x below about the mean, as leading factor over continued fraction: DiDonato and Morris, *Algorithm 708*
-/// (1992), equation 9. Unlike the textbook fraction it takes a - (a+b) x as a number of its own, whose digits count
-/// where a is large.
+/// I_x(a,b) for x below about the mean, as leading factor over continued fraction: DiDonato and Morris, *Algorithm
+/// 708* (1992), equation 9. Unlike the textbook fraction it takes a - (a+b) x as a number of its own, whose digits
+/// count where a is large.
 fn lower_tail(x: f64, y: f64, a: f64, b: f64) -> f64 {
     // The smaller of x and y has lost no digits.
     let below_mean = if x < y { a - (a + b) * x } else { (a + b) * y - b };

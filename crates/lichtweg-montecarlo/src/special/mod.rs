@@ -1,7 +1,8 @@
 //! Special functions behind statistical tests, in f64.
 //!
-//! Relative error about 1e-12 or better in the bulk and in the tails (each tail has its own function, so that none is
-//! one minus something); parameters up to about 10^9. Arguments outside the domain give NaN, never a panic or an endless loop.
+//! Relative error about 1e-12 or better in the bulk and in the tails (each tail has its own function, so that none
+//! is one minus something); parameters up to about 10^9. Arguments outside the domain give NaN, never a panic or an
+//! endless loop.
 //!
 //! Sources: Abramowitz and Stegun (A&S); NIST Digital Library of Mathematical Functions (DLMF); Loader, *Fast and
 //! accurate computation of binomial probabilities* (2000), for leading factors free of cancellation.
@@ -52,8 +53,8 @@ fn continued_fraction(b0: f64, limit: u32, term: impl Fn(f64) -> (f64, f64)) -> 
     value
 }
 
-/// The root in (0, infinity) of a decreasing function by bracketing and bisection to full precision. Returns the nearest bound when there
-/// is no root in the range of f64.
+/// The root in (0, infinity) of a decreasing function by bracketing and bisection to full precision. Returns the
+/// nearest bound when there is no root in the range of f64.
 fn decreasing_root(f: impl Fn(f64) -> f64, guess: f64) -> f64 {
     let (mut low, mut high) = (guess, guess);
     while f(low) < 0.0 && low > 1e-300 {

@@ -47,10 +47,13 @@ impl RoughConductor {
             return (Spectrum::ZERO, 0.0);
         }
         let m = (wo + wi).normalized();
-        let density = self.facets.density(m) / (4.0 * wo.z);
-        let masking = self.facets.masking(wo) * self.facets.masking(wi);
-        let fresnel = self.specular_reflectance * fresnel::conductor(wo.dot(m), self.eta, self.k);
-        (fresnel * (density * masking), density * self.facets.visibility(wo))
+        let density = 0.25 * self.facets.density(m);
+        // G1 vanishes with its cosine: their quotient stays finite where 1 / cos alone would not.
+        let masking = self.facets.masking(wo) / wo.z * self.facets.masking(wi);
+        // The minimum rids of NaN, where both directions graze so much that their bisector has no length.
+        let cos = wo.dot(m).min(1.0);
+        let fresnel = self.specular_reflectance * fresnel::conductor(cos, self.eta, self.k);
+        (fresnel * (density * masking), density * (self.facets.visibility(wo) / wo.z))
     }
 
     /// See [`Bsdf::sample`](super::Bsdf::sample).
@@ -63,7 +66,7 @@ impl RoughConductor {
         let wi = reflect(wo, m);
         // The Jacobian 1 / (4 wo.m) of the reflection cancels the density's wo.m.
         let visibility = self.facets.visibility(wo);
-        let pdf = self.facets.density(m) * visibility / (4.0 * wo.z);
+        let pdf = 0.25 * self.facets.density(m) * (visibility / wo.z);
         if wi.z <= 0.0 || pdf <= 0.0 {
             return None;
         }

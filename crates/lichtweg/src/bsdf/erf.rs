@@ -29,7 +29,7 @@ pub(super) fn inverse_erfc(q: f32) -> f32 {
     ];
     const TAIL: [f32; 9] = [
         2.832_976_8,
-        1.001_674_1,
+        1.001_674,
         0.009_438_871,
         -0.007_622_461,
         0.005_739_508,
@@ -40,7 +40,11 @@ pub(super) fn inverse_erfc(q: f32) -> f32 {
     ];
     let w = -(q * (2.0 - q)).max(f32::MIN_POSITIVE).ln();
     let (c, t) = if w < 5.0 { (&CENTRE, w - 2.5) } else { (&TAIL, w.sqrt() - 3.0) };
-    c.iter().rev().fold(0.0, |sum, &c| sum * t + c) * (1.0 - q)
+    // Estrin's scheme: Horner's would be one long chain of dependent operations.
+    let pair = |i: usize| c[i] + c[i + 1] * t;
+    let t2 = t * t;
+    let t4 = t2 * t2;
+    ((pair(0) + pair(2) * t2) + (pair(4) + pair(6) * t2 + c[8] * t4) * t4) * (1.0 - q)
 }
 
 #[cfg(test)]

@@ -68,14 +68,19 @@ fn quotient(p: f32, q: f32) -> f32 {
 
 /// Mean reflectance of a dielectric boundary under diffuse light that arrives from the side of the normal.
 ///
-/// Two published fits, the choice and the limits of which are Mitsuba 3's: Egan and Hilgeman 1973 for eta < 1 (relative
-/// error 0.1 % down to 1/1.5, 0.6 % down to 1/2, 9.5 % down to 1/5), d'Eon and Irving 2011 for eta >= 1 (0.2 % up to 10).
+/// Published fits, chosen as in Mitsuba 3 where they hold: Egan and Hilgeman 1973 for 1/2 <= eta < 1 (relative error up to
+/// 0.6 %), d'Eon and Irving 2011 for eta >= 1 (0.2 % up to 10). The former exceeds one for small eta, so that below 1/2 the
+/// reflectance follows from that of the other side: what crosses is the same both ways, per squared index.
 pub fn diffuse_reflectance(eta: f32) -> f32 {
     let polynomial = |x: f32, c: &[f32]| c.iter().rev().fold(0.0, |sum, &c| sum * x + c);
-    if eta < 1.0 {
+    let from_thin_side =
+        |eta: f32| polynomial(1.0 / eta, &[0.919_317, -3.4793, 6.753_35, -7.809_89, 4.985_54, -1.368_81]);
+    if eta >= 1.0 {
+        from_thin_side(eta)
+    } else if eta >= 0.5 {
         polynomial(eta, &[0.6681, 0.7099, -1.4399]) + 0.0636 / eta
     } else {
-        polynomial(1.0 / eta, &[0.919_317, -3.4793, 6.753_35, -7.809_89, 4.985_54, -1.368_81])
+        1.0 - (1.0 - from_thin_side(1.0 / eta)) * eta * eta
     }
 }
 
@@ -143,8 +148,15 @@ mod tests {
 
     #[test]
     fn diffuse_fits_follow_the_integral() {
-        for (eta, tolerance) in [(1.0 / 1.5, 2e-3), (1.0 / 2.0, 7e-3), (1.2, 3e-3), (1.49, 3e-3), (3.0, 3e-3)]
-        {
+        for (eta, tolerance) in [
+            (1.0 / 1.5, 2e-3),
+            (1.0 / 2.0, 7e-3),
+            (0.4, 1e-3),
+            (0.2, 1e-3),
+            (1.2, 3e-3),
+            (1.49, 3e-3),
+            (3.0, 3e-3),
+        ] {
             let expected = integrated_reflectance(eta);
             assert!((diffuse_reflectance(eta) / expected - 1.0).abs() < tolerance, "eta {eta}: {expected}");
         }

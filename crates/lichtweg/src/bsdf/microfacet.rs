@@ -45,7 +45,8 @@ impl Microfacets {
     /// A distribution of roughness `alpha_u` along x and `alpha_v` along y, each held within 1e-4 and 1e3.
     #[inline]
     pub fn new(kind: MicrofacetKind, alpha_u: f32, alpha_v: f32) -> Self {
-        let hold = |alpha: f32| alpha.max(MIN_ALPHA).min(MAX_ALPHA);
+        // The maximum comes first, and makes a number of NaN.
+        let hold = |alpha: f32| alpha.max(MIN_ALPHA).clamp(MIN_ALPHA, MAX_ALPHA);
         Self { kind, alpha_u: hold(alpha_u), alpha_v: hold(alpha_v) }
     }
 
@@ -56,6 +57,8 @@ impl Microfacets {
         let (radius2, cos2) = (x * x + y * y, m.z * m.z);
         let scale = FRAC_1_PI / (self.alpha_u * self.alpha_v);
         let density = match self.kind {
+            // Below the cut in any case; spares the slow underflow of the exponential, and a division by zero.
+            MicrofacetKind::Beckmann if radius2 > 87.0 * cos2 => 0.0,
             MicrofacetKind::Beckmann => scale * (-radius2 / cos2).exp() / (cos2 * cos2),
             MicrofacetKind::Ggx => {
                 let s = radius2 + cos2;
@@ -83,7 +86,8 @@ impl Microfacets {
     pub fn visibility(&self, v: Vec3) -> f32 {
         match self.kind {
             MicrofacetKind::Beckmann => {
-                let a = self.inverse_slope(v);
+                // Beyond 9 nothing is masked, and the exponential would underflow.
+                let a = self.inverse_slope(v).min(9.0);
                 let gauss = (-a * a).exp();
                 2.0 / (2.0 - erfc(a, gauss) + FRAC_1_SQRT_PI * gauss / a)
             }
@@ -149,7 +153,8 @@ fn sample_visible_beckmann(v: Vec3, u: [f32; 2]) -> Vec3 {
 #[inline]
 fn sample_visible_slope(cos_theta: f32, sin_theta: f32, u: f32) -> f32 {
     let u = u.clamp(f32::EPSILON / 4.0, BELOW_ONE);
-    let cot = cos_theta / sin_theta;
+    // Beyond 9 nothing is cut off, and the exponential would underflow.
+    let cot = (cos_theta / sin_theta).min(9.0);
     let gauss_end = (-cot * cot).exp();
     let q_end = 2.0 - erfc(cot, gauss_end);
     let linear_end = cos_theta * q_end;
@@ -195,9 +200,11 @@ mod tests {
             let slope = r / (1.0 - r);
             for j in 0..n {
                 let (sin, cos) = (std::f64::consts::TAU * (f64::from(j) + 0.5) / f64::from(n)).sin_cos();
-                let (x, y) = (slope * cos * f64::from(facets.alpha_u), slope * sin * f64::from(facets.alpha_v));
+                let (x, y) =
+                    (slope * cos * f64::from(facets.alpha_u), slope * sin * f64::from(facets.alpha_v));
                 let z = 1.0 / (1.0 + x * x + y * y).sqrt();
-                let jacobian = slope / (1.0 - r).powi(2) * f64::from(facets.alpha_u * facets.alpha_v) * z.powi(3);
+                let jacobian =
+                    slope / (1.0 - r).powi(2) * f64::from(facets.alpha_u * facets.alpha_v) * z.powi(3);
                 sum += jacobian * f64::from(f(Vec3::new((x * z) as f32, (y * z) as f32, z as f32)));
             }
         }
@@ -256,10 +263,16 @@ mod tests {
                 let facets = Microfacets::new(kind, alpha, 0.2);
                 for z in [1e-30, 1e-7, 1e-3, 0.5, 1.0] {
                     let v = direction(z, 1.0);
-                    assert!((0.0..=1.01).contains(&facets.masking(v)) && (0.0..=1.0001).contains(&facets.visibility(v)));
+                    assert!(
+                        (0.0..=1.01).contains(&facets.masking(v))
+                            && (0.0..=1.0001).contains(&facets.visibility(v))
+                    );
                     for (a, b) in uniform.iter().flat_map(|&a| uniform.map(|b| (a, b))) {
                         let m = facets.sample_visible(v, [a, b]);
-                        assert!((m.length() - 1.0).abs() < 1e-5 && m.z >= 0.0, "{facets:?} {v:?} [{a} {b}]: {m:?}");
+                        assert!(
+                            (m.length() - 1.0).abs() < 1e-5 && m.z >= 0.0,
+                            "{facets:?} {v:?} [{a} {b}]: {m:?}"
+                        );
                         assert!(facets.density(m).is_finite());
                     }
                 }

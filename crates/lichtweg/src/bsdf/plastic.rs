@@ -32,7 +32,8 @@ impl Layers {
     #[inline]
     fn new(eta: f32, internal: f32, diffuse: Spectrum, specular: Spectrum, nonlinear: bool) -> Self {
         let lost = |rho: f32| if nonlinear { rho * internal } else { internal };
-        let base = diffuse.map(|rho| rho / ((1.0 - lost(rho)) * eta * eta));
+        // An albedo above one must not make an infinite series of reflections diverge.
+        let base = diffuse.map(|rho| rho / ((1.0 - lost(rho)).max(1e-3) * eta * eta));
         let (d, s) = (lobe_mean(diffuse), lobe_mean(specular));
         let specular_weight = if s > 0.0 { s / (d + s) } else { 0.0 };
         Self { base, specular_reflectance: specular, specular_weight }
@@ -110,7 +111,6 @@ impl SmoothPlastic {
     /// Albedo as seen along the normal, roughly.
     pub(super) fn albedo_hint(&self) -> Spectrum {
         let reflected = fresnel::dielectric(1.0, self.eta).reflectance;
-        // R_int and T nearly cancel, in the sense that a white base gives a white plastic.
         let mean_passed = 1.0 - fresnel::diffuse_reflectance(self.eta);
         self.layers.base * ((1.0 - reflected) * mean_passed) + self.layers.specular_reflectance * reflected
     }
@@ -147,9 +147,12 @@ impl<'a> RoughPlastic<'a> {
         }
         let facets = self.coat.facets();
         let m = (wo + wi).normalized();
-        let density = facets.density(m) / (4.0 * wo.z);
-        let masking = facets.masking(wo) * facets.masking(wi);
-        let fresnel = fresnel::dielectric(wo.dot(m), self.coat.eta()).reflectance;
+        let density = 0.25 * facets.density(m);
+        // G1 vanishes with its cosine: their quotient stays finite where 1 / cos alone would not.
+        let masking = facets.masking(wo) / wo.z * facets.masking(wi);
+        // The minimum rids of NaN, where both directions graze so much that their bisector has no length.
+        let cos = wo.dot(m).min(1.0);
+        let fresnel = fresnel::dielectric(cos, self.coat.eta()).reflectance;
         let specular = self.layers.specular_reflectance * (fresnel * density * masking);
 
         let (passed_o, passed_i) = (self.coat.transmittance(wo.z), self.coat.transmittance(wi.z));
@@ -157,7 +160,7 @@ impl<'a> RoughPlastic<'a> {
         let diffuse = self.layers.base * (cosine * passed_o * passed_i);
 
         let p_specular = self.layers.specular_probability(1.0 - passed_o, passed_o);
-        let pdf = p_specular * density * facets.visibility(wo) + (1.0 - p_specular) * cosine;
+        let pdf = p_specular * density * (facets.visibility(wo) / wo.z) + (1.0 - p_specular) * cosine;
         (specular + diffuse, pdf)
     }
 

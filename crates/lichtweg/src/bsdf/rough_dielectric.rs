@@ -61,9 +61,10 @@ impl RoughDielectric {
         if !(cos_o > 0.0 && cos_i * wi.z > 0.0) {
             return NONE;
         }
-        let density = self.facets.density(m) / wo.z;
-        let masking = self.facets.masking(wo) * self.facets.masking(wi);
-        let visibility = self.facets.visibility(wo);
+        let density = self.facets.density(m);
+        // G1 vanishes with its cosine: their quotient stays finite where 1 / cos alone would not.
+        let masking = self.facets.masking(wo) / wo.z * self.facets.masking(wi);
+        let visibility = self.facets.visibility(wo) / wo.z;
         let fresnel = fresnel::dielectric(cos_o, eta).reflectance;
         if reflected {
             let common = 0.25 * fresnel * density;
@@ -91,7 +92,7 @@ impl RoughDielectric {
         let visibility = self.facets.visibility(wo);
         // What remains of the value over the density: masking, seen from both directions over that the sampling knew.
         let weight = |wi: Vec3| self.facets.masking(wo) / visibility * self.facets.masking(wi);
-        let visible = self.facets.density(m) * visibility / wo.z;
+        let visible = self.facets.density(m) * (visibility / wo.z);
 
         if u_lobe < fresnel.reflectance {
             let wi = reflect(wo, m);

@@ -2,8 +2,8 @@
 //!
 //! T(mu) = integral over transmitted directions of f |cos|, computed over the unit square of the visible-normal sampling, where
 //! the integrand is (1 - F) G1(wi) of the drawn normal, by Gauss-Legendre quadrature. The table has 64 cosines, equally
-//! spaced in [0, 1]; values between are linearly interpolated. Resolution, quadrature and the mean below are Mitsuba 3's
-//! (`roughplastic`), so that images agree.
+//! spaced in [0, 1]; values between are linearly interpolated. Resolution and means are those of Mitsuba 3's `roughplastic`,
+//! so that images agree.
 
 use lichtweg_ray::math::Vec3;
 
@@ -22,21 +22,24 @@ pub struct RoughTransmittanceTable {
 }
 
 impl RoughTransmittanceTable {
-    /// The table of an interface of (isotropic) `facets` and index `eta` inside over outside. Takes a few milliseconds to tens of
-    /// milliseconds: make one for each material, not for each point.
+    /// The table of an interface of (isotropic) `facets` and index `eta` inside over outside. Takes tens of milliseconds: make
+    /// one for each material, not for each point.
     pub fn new(facets: Microfacets, eta: f32) -> Self {
+        let rule = gauss_legendre(32);
         let transmittance = std::array::from_fn(|i| {
             let wo = direction(i);
-            quadrature(eta, |u| {
+            integrate(&rule, |u| {
                 let m = facets.sample_visible(wo, u);
                 let f = fresnel::dielectric(wo.dot(m), eta);
                 let wi = m * (f.eta_ti * wo.dot(m) + f.cos_theta_t) - wo * f.eta_ti;
                 if wi.z < 0.0 { (1.0 - f.reflectance) * facets.masking(wi) } else { 0.0 }
             })
         });
+        // Total reflection makes a kink that wants more points.
+        let rule = gauss_legendre(48);
         let reflected_inside = (0..RESOLUTION).map(|i| {
             let wo = direction(i);
-            let reflectance = quadrature(1.0 / eta, |u| {
+            let reflectance = integrate(&rule, |u| {
                 let m = facets.sample_visible(wo, u);
                 let wi = reflect(wo, m);
                 let f = fresnel::dielectric(wo.dot(m), 1.0 / eta);
@@ -89,9 +92,8 @@ fn direction(i: usize) -> Vec3 {
     Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu)
 }
 
-/// Integral of `f` over the unit square. Total reflection (`eta` < 1) makes a kink that wants more points.
-fn quadrature(eta: f32, f: impl Fn([f32; 2]) -> f32) -> f32 {
-    let rule = gauss_legendre(if eta > 1.0 { 32 } else { 128 });
+/// Integral of `f` over the unit square by the product of `rule` with itself.
+fn integrate(rule: &[(f32, f32)], f: impl Fn([f32; 2]) -> f32) -> f32 {
     let row = |y: f32| rule.iter().map(|&(x, weight)| f64::from(weight * f([x, y]))).sum::<f64>();
     rule.iter().map(|&(y, weight)| f64::from(weight) * row(y)).sum::<f64>() as f32
 }
@@ -117,4 +119,36 @@ fn gauss_legendre(n: usize) -> Vec<(f32, f32)> {
             ((0.5 * (x + 1.0)) as f32, (0.5 * weight) as f32)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::MicrofacetKind;
+
+    #[test]
+    fn quadrature_is_exact_for_polynomials() {
+        let rule = gauss_legendre(5);
+        assert!((integrate(&rule, |_| 1.0) - 1.0).abs() < 1e-6);
+        assert!((integrate(&rule, |[x, y]| x.powi(9) * y) - 0.05).abs() < 1e-6);
+    }
+
+    #[test]
+    fn polished_coats_transmit_as_smooth_ones() {
+        for kind in [MicrofacetKind::Beckmann, MicrofacetKind::Ggx] {
+            let table = RoughTransmittanceTable::new(Microfacets::new(kind, 1e-3, 1e-3), 1.5);
+            for i in [4, 20, 63] {
+                let mu = i as f32 / 63.0;
+                let smooth = 1.0 - fresnel::dielectric(mu, 1.5).reflectance;
+                assert!((table.transmittance(mu) - smooth).abs() < 1e-3, "{kind:?} {mu}");
+            }
+            // The mean of the entries is 1/64 below the integral.
+            let smooth = fresnel::diffuse_reflectance(1.0 / 1.5);
+            assert!(
+                (table.internal_reflectance() / smooth - 1.0).abs() < 0.02,
+                "{}",
+                table.internal_reflectance()
+            );
+        }
+    }
 }

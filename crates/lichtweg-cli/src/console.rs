@@ -1,0 +1,82 @@
+//! What is said on standard error, and how: on a terminal with moving bars, elsewhere as plain lines, or not at all.
+
+use std::io::{IsTerminal, stderr};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use lichtweg::scene::description::{Diagnostics, SourceMap};
+
+use crate::progress::Ticker;
+
+/// How to talk to the user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Console {
+    /// Warnings and errors only.
+    Quiet,
+    /// Lines.
+    Plain,
+    /// Lines, and bars that move.
+    Terminal,
+}
+
+/// A stage shorter than this shows nothing on a terminal.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+impl Console {
+    /// What fits standard error.
+    pub fn new(quiet: bool) -> Self {
+        match (quiet, stderr().is_terminal()) {
+            (true, _) => Self::Quiet,
+            (false, false) => Self::Plain,
+            (false, true) => Self::Terminal,
+        }
+    }
+
+    /// Says something, unless quiet.
+    pub fn say(self, message: &str) {
+        if self != Self::Quiet {
+            eprintln!("{message}");
+        }
+    }
+
+    /// Does some work that may take a while, under a label such as `building`.
+    pub fn stage<T>(self, label: &str, work: impl FnOnce() -> T) -> T {
+        match self {
+            Self::Quiet => work(),
+            Self::Plain => {
+                eprintln!("{label}");
+                work()
+            }
+            Self::Terminal => {
+                let _spinner = spinner(label.to_owned());
+                work()
+            }
+        }
+    }
+
+    /// Shows findings, with colours on a terminal unless `NO_COLOR` is set.
+    pub fn show(self, diagnostics: &Diagnostics, sources: &SourceMap) {
+        let color = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+        eprint!("{}", lichtweg_io::diagnostics::render(diagnostics, sources, color));
+    }
+}
+
+/// Spins after a second, until dropped.
+fn spinner(label: String) -> Ticker {
+    let start = Instant::now();
+    let mut bar: Option<ProgressBar> = None;
+    Ticker::start(move |last| {
+        if last {
+            bar.iter().for_each(ProgressBar::finish_and_clear);
+        } else if start.elapsed() >= PATIENCE {
+            bar.get_or_insert_with(|| {
+                let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}");
+                ProgressBar::new_spinner()
+                    .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+                    .with_message(label.clone())
+                    .with_elapsed(start.elapsed())
+            })
+            .tick();
+        }
+    })
+}

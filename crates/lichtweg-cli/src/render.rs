@@ -1,0 +1,283 @@
+//! `lichtweg render`: from a scene to pictures.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use clap::Args;
+use lichtweg::render::{Job, LayerSelection, Progress, RenderError, RenderedImage, Rendering};
+use lichtweg::scene::Scene;
+use lichtweg::scene::description::{Description, FilterDescription};
+use lichtweg_io::image::{Layer, OutputImage, ToneMap};
+use lichtweg_io::scene_file::SceneLocation;
+use lichtweg_montecarlo::SamplerKind;
+
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::load::{Loader, ReadArgs, parse_location};
+use crate::options::{self, IntegratorChoice};
+use crate::output::Outputs;
+use crate::overrides::Overrides;
+use crate::progress::{Goal, watch};
+use crate::record::Record;
+use crate::{memory, text};
+
+const EXAMPLES: &str = "\
+Examples:
+  lichtweg render                              the built-in Cornell box, to cornell-box.exr and cornell-box.png
+  lichtweg render scene.xml -D spp=16          with a parameter of the scene's own
+  lichtweg render scene.xml --time 60 -o a.exr -o a.png --exposure 1
+  lichtweg render scene.pbrt --size 640x360 --spp 256 --max-depth 9 --filter box
+  lichtweg render scene.xml --integrator path:light=nee,rr_depth=off --layers all
+  lichtweg render scene.xml --crop 100,50,64,64 --stats stats.json
+
+Ctrl-C ends a render after the pass it is in, with an image of the samples so far (exit code 0); a second Ctrl-C \
+leaves at once, without an image (exit code 130).";
+
+/// Render a scene
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct RenderArgs {
+    /// Scene file (.xml, .pbrt, .pbrt.gz) or builtin:NAME
+    #[arg(default_value = "builtin:cornell-box", value_parser = parse_location)]
+    scene: SceneLocation,
+
+    /// Image file, by extension .exr, .png, .hdr or .pfm (repeatable) [default: NAME.exr and NAME.png]
+    #[arg(short, long, value_name = "FILE", value_parser = options::parse_output)]
+    output: Vec<PathBuf>,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = options::parse_spp)]
+    spp: Option<u32>,
+
+    /// Render for this long; without --spp as many samples as fit
+    #[arg(long, value_name = "SECONDS", value_parser = options::parse_seconds)]
+    time: Option<Duration>,
+
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", value_parser = options::parse_size)]
+    size: Option<[u32; 2]>,
+
+    /// Render only this part: pixels from the top left corner
+    #[arg(long, value_name = "X,Y,W,H", value_parser = options::parse_crop)]
+    crop: Option<[u32; 4]>,
+
+    /// Estimator, with settings that differ from the scene's: path:light=naive|nee|mis, heuristic=balance|power,
+    /// rr_depth=N|off, hide_emitters=true|false
+    #[arg(long, value_name = "NAME[:KEY=VALUE,...]", value_parser = options::parse_integrator)]
+    integrator: Option<IntegratorChoice>,
+
+    /// Largest number of path edges: 1 emitters alone, 2 direct light, -1 no limit
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    max_depth: Option<MaxDepth>,
+
+    /// Reconstruction filter: box, tent, gaussian, mitchell, catmullrom or lanczos
+    #[arg(long, value_name = "NAME[:RADIUS]", value_parser = options::parse_filter)]
+    filter: Option<FilterDescription>,
+
+    /// Random numbers: independent or sobol
+    #[arg(long, value_name = "NAME", value_parser = options::parse_sampler)]
+    sampler: Option<SamplerKind>,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Threads; the image does not depend on it [default: all processors]
+    #[arg(long, value_name = "N", value_parser = options::parse_threads)]
+    threads: Option<usize>,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    /// Replace what is not supported, with a warning, instead of failing
+    #[arg(long)]
+    lenient: bool,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+
+    /// Exposure of PNG files in stops
+    #[arg(long, value_name = "STOPS", default_value = "0", allow_hyphen_values = true, value_parser = options::parse_exposure)]
+    exposure: f32,
+
+    /// Layers of EXR files besides the image: variance, albedo, normal, depth, all or none
+    #[arg(long, value_name = "NAMES", default_value = "variance", value_parser = options::parse_layers)]
+    layers: LayerSelection,
+
+    /// Write everything that was measured to this file, as JSON
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+}
+
+/// `--max-depth`: `None` is no limit. (An own type, as clap takes an option in an option for an optional value.)
+#[derive(Clone, Copy, Debug)]
+struct MaxDepth(Option<u32>);
+
+impl std::str::FromStr for MaxDepth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        options::parse_max_depth(text).map(Self)
+    }
+}
+
+/// Stack of a thread: readers recurse over what is nested in files.
+const STACK_BYTES: usize = 16 << 20;
+
+/// Renders.
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.unwrap_or(0))
+        .stack_size(STACK_BYTES)
+        .build()
+        .map_err(|error| Failure::Failed(format!("the threads cannot be started: {error}")))?;
+    pool.install(|| render(args, Console::new(args.quiet)))
+}
+
+fn render(args: &RenderArgs, console: Console) -> Result<(), Failure> {
+    let mut outputs = Outputs::new(&args.output, args.stats.as_deref())?;
+    let mut loader = Loader::new(&args.scene, args.lenient, console);
+    let Some(mut description) = loader.read(&args.read.options()) else { return Err(loader.fail()) };
+    args.overrides().apply(&mut description)?;
+    outputs.complete(&description.name)?;
+
+    let diagnostics = &mut loader.diagnostics;
+    let job = Job::compile(&description, args.layers, args.time, diagnostics);
+    let scene = console.stage("building", || Scene::compile(&description, diagnostics));
+    let (Some(job), Some(scene)) = (job, scene) else { return Err(loader.fail()) };
+    loader.show();
+    let goal = args.goal(&description);
+    check_memory(goal.pixels, args.layers)?;
+    let (rendering, interrupted) = run_job(&job, &scene, goal, console)?;
+    let record = Record {
+        loader: &loader,
+        description: &description,
+        scene: &scene,
+        rendering: &rendering,
+        goal,
+        interrupted,
+    };
+    let image = output_image(&rendering.image, args.layers, record.metadata());
+    let tone_map = ToneMap { exposure_stops: args.exposure };
+    let (written, images_saved) = outputs.save(&image, &tone_map, console);
+    drop(image);
+    let statistics_saved = outputs.save_statistics(&record.json(&written));
+    record.dropped_warning().iter().for_each(|warning| eprintln!("{warning}"));
+    if interrupted {
+        let samples = rendering.statistics.samples_per_pixel;
+        console.say(&format!(
+            "stopped early: the image has {} per pixel",
+            text::plural(samples.into(), "sample")
+        ));
+    }
+    console.say(&record.summary());
+    if images_saved && statistics_saved { Ok(()) } else { Err(Failure::Quiet(1)) }
+}
+
+impl RenderArgs {
+    fn overrides(&self) -> Overrides {
+        // Where only time is given, it alone counts.
+        let unlimited = self.time.map(|_| u32::MAX);
+        Overrides {
+            size: self.size,
+            crop: self.crop,
+            filter: self.filter,
+            samples_per_pixel: self.spp.or(unlimited),
+            sampler: self.sampler,
+            seed: self.seed,
+            integrator: self.integrator.clone(),
+            max_depth: self.max_depth.map(|d| d.0),
+        }
+    }
+
+    /// How far the render of a scene, overrides applied, will go.
+    fn goal(&self, description: &Description) -> Goal {
+        let film = &description.film;
+        let [_, _, width, height] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+        Goal {
+            pixels: u64::from(width) * u64::from(height),
+            samples_per_pixel: (self.time.is_none() || self.spp.is_some())
+                .then_some(description.sampler.samples_per_pixel),
+            time: self.time,
+        }
+    }
+}
+
+/// Runs the job under the eyes of the user; the image, and whether a signal cut it short.
+fn run_job(job: &Job, scene: &Scene, goal: Goal, console: Console) -> Result<(Rendering, bool), Failure> {
+    let interrupt = Interrupt::install()
+        .map_err(|error| Failure::Failed(format!("Ctrl-C cannot be watched for: {error}")))?;
+    if console == Console::Plain {
+        console.say(&announcement(job, &goal));
+    }
+    let progress = Arc::new(Progress::default());
+    let watcher = watch(console, Arc::clone(&progress), interrupt.clone(), goal);
+    let result = job.render(scene, &progress);
+    drop(watcher);
+    match result {
+        Ok(rendering) => {
+            let complete = Some(rendering.statistics.samples_per_pixel) == goal.samples_per_pixel;
+            Ok((rendering, interrupt.asked() && !complete))
+        }
+        Err(error @ RenderError::Stopped) => {
+            eprintln!("{error}: there is no image");
+            Err(Failure::Quiet(130))
+        }
+    }
+}
+
+fn announcement(job: &Job, goal: &Goal) -> String {
+    let [width, height] = job.size();
+    let samples = goal.samples_per_pixel.map(|n| format!(", {} per pixel", text::plural(n.into(), "sample")));
+    let time = goal.time.map(|t| format!(", for {}", text::seconds(t.as_secs_f64())));
+    format!(
+        "rendering {width}x{height} pixels{}{} on {}",
+        samples.unwrap_or_default(),
+        time.unwrap_or_default(),
+        text::plural(rayon::current_num_threads() as u64, "thread")
+    )
+}
+
+/// Refuses an image that would not fit into memory, rather than be killed while rendering it.
+fn check_memory(pixels: u64, layers: LayerSelection) -> Result<(), Failure> {
+    use lichtweg::film::{AuxiliarySums, Pixel};
+    let auxiliary = layers.albedo || layers.normal || layers.depth;
+    let sums = size_of::<Pixel>() + if auxiliary { size_of::<AuxiliarySums>() } else { 0 };
+    let channels = if auxiliary { 13 } else { 6 };
+    // The sums in tiles and as an image; the channels interleaved and apart.
+    let needed = pixels * (2 * sums + 2 * channels * size_of::<f32>()) as u64;
+    match memory::available() {
+        Some(available) if needed > available => Err(Failure::Failed(format!(
+            "an image of {} pixels takes {} of memory, and {} are free; make it smaller with --size, or render it in \
+             parts with --crop",
+            text::count(pixels),
+            text::bytes(needed),
+            text::bytes(available),
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn output_image(
+    rendered: &RenderedImage,
+    layers: LayerSelection,
+    metadata: Vec<(String, String)>,
+) -> OutputImage {
+    let [x, y, width, height] = rendered.window;
+    let layers = rendered.layers(layers).into_iter().map(|layer| Layer {
+        name: layer.name.to_owned(),
+        channels: layer.channels.iter().map(|&c| c.to_owned()).collect(),
+        data: layer.data,
+    });
+    OutputImage {
+        width,
+        height,
+        layers: layers.collect(),
+        metadata,
+        data_offset: [x as i32, y as i32],
+        display_size: rendered.size,
+    }
+}
