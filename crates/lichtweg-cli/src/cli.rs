@@ -1,5 +1,7 @@
 //! The subcommands.
 
+use std::ffi::OsStr;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
@@ -23,12 +25,11 @@ built-in Cornell box into the current directory.";
 
 const EXAMPLES: &str = "\
 Examples:
-  lichtweg                                     render the built-in Cornell box
-  lichtweg render scene.xml --spp 256          render a scene to scene.exr and scene.png
-  lichtweg render scene.pbrt --time 60 -o a.exr
-                                               render for a minute
-  lichtweg info scene.xml                      what is in a scene, and what is not supported
-  lichtweg scenes                              the scenes that are built in
+  lichtweg                              render the built-in Cornell box
+  lichtweg render scene.xml --spp 256   render a scene to scene.exr and scene.png
+  lichtweg render scene.pbrt --time 60  render for a minute
+  lichtweg info scene.xml               what is in a scene, what is not supported
+  lichtweg scenes                       the scenes that are built in
 
 Exit codes:
   0    all went well, or Ctrl-C ended a render early and its image is saved
@@ -78,10 +79,10 @@ pub fn run() -> ExitCode {
 /// Parses the command line; ends the process on help, and on errors.
 fn parse() -> Cli {
     Cli::try_parse().unwrap_or_else(|error| {
-        let scene = std::env::args().nth(1).filter(|text| is_scene(text));
+        let scene = std::env::args_os().nth(1).filter(|word| is_scene(word));
         match scene {
             Some(scene) if error.kind() == ErrorKind::InvalidSubcommand => {
-                let message = format!("no command is given; to render the scene: lichtweg render {scene}");
+                let message = format!("no command is given; to render the scene: lichtweg render {}", scene.display());
                 Cli::command().error(ErrorKind::InvalidSubcommand, message).exit()
             }
             _ => error.exit(),
@@ -90,8 +91,8 @@ fn parse() -> Cli {
 }
 
 /// Whether a word looks like a scene rather than a command.
-fn is_scene(text: &str) -> bool {
-    text.starts_with(PREFIX) || std::path::Path::new(text).exists()
+fn is_scene(word: &OsStr) -> bool {
+    word.as_encoded_bytes().starts_with(PREFIX.as_bytes()) || Path::new(word).exists()
 }
 
 impl RenderArgs {

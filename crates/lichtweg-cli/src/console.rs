@@ -1,6 +1,7 @@
 //! What is said on standard error, and how: on a terminal with moving bars, elsewhere as plain lines, or not at all.
 
-use std::io::{IsTerminal, stderr};
+use std::fmt::Display;
+use std::io::{IsTerminal, Write, stderr};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,6 +20,11 @@ pub enum Console {
     Terminal,
 }
 
+/// Writes a line to standard error. One that nobody reads any more, as after `2>&1 | head`, must not end a render.
+pub fn tell(message: impl Display) {
+    let _ = writeln!(stderr(), "{message}");
+}
+
 /// A stage shorter than this shows nothing on a terminal.
 const PATIENCE: Duration = Duration::from_secs(1);
 
@@ -35,7 +41,7 @@ impl Console {
     /// Says something, unless quiet.
     pub fn say(self, message: &str) {
         if self != Self::Quiet {
-            eprintln!("{message}");
+            tell(message);
         }
     }
 
@@ -44,7 +50,7 @@ impl Console {
         match self {
             Self::Quiet => work(),
             Self::Plain => {
-                eprintln!("{label}");
+                tell(label);
                 work()
             }
             Self::Terminal => {
@@ -57,7 +63,10 @@ impl Console {
     /// Shows findings, with colours on a terminal unless `NO_COLOR` is set.
     pub fn show(self, diagnostics: &Diagnostics, sources: &SourceMap) {
         let color = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
-        eprint!("{}", lichtweg_io::diagnostics::render(diagnostics, sources, color));
+        let text = lichtweg_io::diagnostics::render(diagnostics, sources, color);
+        if !text.is_empty() {
+            tell(text.trim_end());
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::process::ExitCode;
 
+use crate::console::tell;
+
 /// A failure, and the exit code it ends with.
 #[derive(Debug)]
 pub enum Failure {
@@ -18,11 +20,11 @@ impl Failure {
     pub fn report(self) -> ExitCode {
         match self {
             Self::Usage(message) => {
-                eprintln!("error: {message}\n\nFor more information, try '--help'.");
+                tell(format_args!("error: {message}\n\nFor more information, try '--help'."));
                 ExitCode::from(2)
             }
             Self::Failed(message) => {
-                eprintln!("error: {message}");
+                tell(format_args!("error: {message}"));
                 ExitCode::FAILURE
             }
             Self::Quiet(code) => ExitCode::from(code),

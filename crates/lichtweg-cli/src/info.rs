@@ -13,13 +13,13 @@ use serde_json::{Value, json};
 
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::load::{Loader, ReadArgs, parse_location};
+use crate::load::{Loader, ReadArgs, location_parser};
 use inventory::Inventory;
 
 const EXAMPLES: &str = "\
 Examples:
-  lichtweg info scene.xml                      what is in it, and all that is not supported
-  lichtweg info scene.pbrt --json | jq .film   for programs
+  lichtweg info scene.xml                what is in it, and all that is not supported
+  lichtweg info scene.pbrt --json        for programs
   lichtweg info builtin:cornell-box";
 
 /// Tell what is in a scene, and what is not supported
@@ -27,7 +27,7 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub struct InfoArgs {
     /// Scene file (.xml, .pbrt, .pbrt.gz) or builtin:NAME
-    #[arg(value_parser = parse_location)]
+    #[arg(value_parser = location_parser())]
     scene: SceneLocation,
 
     #[command(flatten)]

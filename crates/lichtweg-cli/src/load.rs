@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use lichtweg::scene::description::{Description, Diagnostics, SourceMap};
 use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::scene_file::{SceneLocation, read_scene};
@@ -66,8 +67,8 @@ impl Loader {
 }
 
 /// Takes a scene from the command line.
-pub fn parse_location(text: &str) -> Result<SceneLocation, String> {
-    SceneLocation::parse(text)
+pub fn location_parser() -> impl TypedValueParser<Value = SceneLocation> {
+    OsStringValueParser::new().try_map(|text| SceneLocation::parse(&text))
 }
 
 /// The options of reading that subcommands share.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use lichtweg_io::image::{OutputImage, ToneMap, write_image};
 
-use crate::console::Console;
+use crate::console::{Console, tell};
 use crate::failure::Failure;
 use crate::load::absolute;
 
@@ -56,13 +56,13 @@ impl Outputs {
                 continue;
             };
             all_well = false;
-            eprintln!("error: {error}\n  = help: {}", error.help);
+            tell(format_args!("error: {error}\n = help: {}", error.help));
             match rescue(path, |path| write_image(path, image, tone_map).is_ok()) {
                 Some(path) => {
-                    eprintln!("the picture is in {} instead", path.display());
+                    tell(format_args!("the picture is in {} instead", path.display()));
                     written.push(path);
                 }
-                None => eprintln!("error: nor could it be written to the current or temporary directory"),
+                None => tell("error: nor could it be written to the current or the temporary directory"),
             }
         }
         (written, all_well)
@@ -76,7 +76,7 @@ impl Outputs {
         if let Err(error) = &result {
             // It may never have been created.
             let _ = fs::remove_file(&temporary);
-            eprintln!("error: {} cannot be written: {error}", path.display());
+            tell(format_args!("error: {} cannot be written: {error}", path.display()));
         }
         result.is_ok()
     }

@@ -74,7 +74,7 @@ impl Goal {
         let fraction = self.fraction(samples, elapsed);
         let left = if fraction > 0.0 {
             let left = elapsed.as_secs_f64() * (1.0 - fraction) / fraction;
-            format!("{} left", text::seconds(left.ceil()))
+            format!("{} left", text::countdown(left))
         } else {
             String::new()
         };

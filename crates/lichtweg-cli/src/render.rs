@@ -12,10 +12,10 @@ use lichtweg_io::image::{Layer, OutputImage, ToneMap};
 use lichtweg_io::scene_file::SceneLocation;
 use lichtweg_montecarlo::SamplerKind;
 
-use crate::console::Console;
+use crate::console::{Console, tell};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::load::{Loader, ReadArgs, parse_location};
+use crate::load::{Loader, ReadArgs, location_parser};
 use crate::options::{self, IntegratorChoice};
 use crate::output::Outputs;
 use crate::overrides::Overrides;
@@ -25,8 +25,8 @@ use crate::{memory, text};
 
 const EXAMPLES: &str = "\
 Examples:
-  lichtweg render                              the built-in Cornell box, to cornell-box.exr and cornell-box.png
-  lichtweg render scene.xml -D spp=16          with a parameter of the scene's own
+  lichtweg render                       the built-in Cornell box
+  lichtweg render scene.xml -D spp=16   with a parameter of the scene's own
   lichtweg render scene.xml --time 60 -o a.exr -o a.png --exposure 1
   lichtweg render scene.pbrt --size 640x360 --spp 256 --max-depth 9 --filter box
   lichtweg render scene.xml --integrator path:light=nee,rr_depth=off --layers all
@@ -37,14 +37,14 @@ leaves at once, without an image (exit code 130).";
 
 /// Render a scene
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct RenderArgs {
     /// Scene file (.xml, .pbrt, .pbrt.gz) or builtin:NAME
-    #[arg(default_value = "builtin:cornell-box", value_parser = parse_location)]
+    #[arg(default_value = "builtin:cornell-box", value_parser = location_parser())]
     scene: SceneLocation,
 
     /// Image file, by extension .exr, .png, .hdr or .pfm (repeatable) [default: NAME.exr and NAME.png]
-    #[arg(short, long, value_name = "FILE", value_parser = options::parse_output)]
+    #[arg(short, long, value_name = "FILE", value_parser = options::output_parser())]
     output: Vec<PathBuf>,
 
     /// Samples per pixel
@@ -69,7 +69,7 @@ pub struct RenderArgs {
     integrator: Option<IntegratorChoice>,
 
     /// Largest number of path edges: 1 emitters alone, 2 direct light, -1 no limit
-    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    #[arg(long, value_name = "D")]
     max_depth: Option<MaxDepth>,
 
     /// Reconstruction filter: box, tent, gaussian, mitchell, catmullrom or lanczos
@@ -81,7 +81,7 @@ pub struct RenderArgs {
     sampler: Option<SamplerKind>,
 
     /// Seed of the random numbers
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = options::parse_seed)]
     seed: Option<u64>,
 
     /// Threads; the image does not depend on it [default: all processors]
@@ -100,7 +100,7 @@ pub struct RenderArgs {
     quiet: bool,
 
     /// Exposure of PNG files in stops
-    #[arg(long, value_name = "STOPS", default_value = "0", allow_hyphen_values = true, value_parser = options::parse_exposure)]
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = options::parse_exposure)]
     exposure: f32,
 
     /// Layers of EXR files besides the image: variance, albedo, normal, depth, all or none
@@ -143,14 +143,15 @@ fn render(args: &RenderArgs, console: Console) -> Result<(), Failure> {
     let Some(mut description) = loader.read(&args.read.options()) else { return Err(loader.fail()) };
     args.overrides().apply(&mut description)?;
     outputs.complete(&description.name)?;
+    let goal = args.goal(&description);
+    check_memory(goal.pixels, args.layers)?;
 
     let diagnostics = &mut loader.diagnostics;
     let job = Job::compile(&description, args.layers, args.time, diagnostics);
     let scene = console.stage("building", || Scene::compile(&description, diagnostics));
     let (Some(job), Some(scene)) = (job, scene) else { return Err(loader.fail()) };
     loader.show();
-    let goal = args.goal(&description);
-    check_memory(goal.pixels, args.layers)?;
+
     let (rendering, interrupted) = run_job(&job, &scene, goal, console)?;
     let record = Record {
         loader: &loader,
@@ -165,7 +166,7 @@ fn render(args: &RenderArgs, console: Console) -> Result<(), Failure> {
     let (written, images_saved) = outputs.save(&image, &tone_map, console);
     drop(image);
     let statistics_saved = outputs.save_statistics(&record.json(&written));
-    record.dropped_warning().iter().for_each(|warning| eprintln!("{warning}"));
+    record.dropped_warning().iter().for_each(tell);
     if interrupted {
         let samples = rendering.statistics.samples_per_pixel;
         console.say(&format!(
@@ -223,7 +224,7 @@ fn run_job(job: &Job, scene: &Scene, goal: Goal, console: Console) -> Result<(Re
             Ok((rendering, interrupt.asked() && !complete))
         }
         Err(error @ RenderError::Stopped) => {
-            eprintln!("{error}: there is no image");
+            tell(format_args!("{error}: there is no image"));
             Err(Failure::Quiet(130))
         }
     }

@@ -5,7 +5,7 @@ pub fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut out = String::with_capacity(digits.len() * 4 / 3);
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             out.push(',');
         }
         out.push(digit);
@@ -23,6 +23,11 @@ pub fn seconds(seconds: f64) -> String {
         120..7200 => format!("{} min {:02} s", whole / 60, whole % 60),
         _ => format!("{} h {:02} min", whole / 3600, whole / 60 % 60),
     }
+}
+
+/// Time left, in whole units: `12 s`, `3 min 20 s`.
+pub fn countdown(left: f64) -> String {
+    if left < 119.0 { format!("{:.0} s", left.max(0.0).ceil()) } else { seconds(left) }
 }
 
 /// A size in memory: `3.2 MiB`.
@@ -74,6 +79,7 @@ mod tests {
         assert_eq!(seconds(12.34), "12.3 s");
         assert_eq!(seconds(200.0), "3 min 20 s");
         assert_eq!(seconds(7500.0), "2 h 05 min");
+        assert_eq!([countdown(0.2), countdown(118.9), countdown(200.0)], ["1 s", "119 s", "3 min 20 s"]);
         assert_eq!(bytes(3_355_443), "3.2 MiB");
         assert_eq!(bytes(12), "12 bytes");
     }

@@ -13,6 +13,9 @@ use codespan_reporting::term::termcolor::{Ansi, NoColor, WriteColor};
 use codespan_reporting::term::{self, Config};
 use lichtweg::scene::description::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 
+/// Longer lines are not shown, only a piece of them: machines write files of a single line.
+const LONGEST_LINE: usize = 400;
+
 /// More findings than this are counted, not shown.
 const MOST_SHOWN: usize = 100;
 
@@ -67,9 +70,13 @@ fn report(diagnostic: &Diagnostic, files: &IndexedSources<'_>) -> Report<u32> {
     };
     let mut report = Report::new(level).with_code(diagnostic.code).with_message(&diagnostic.message);
     if let Some((span, label)) = &diagnostic.label {
-        match files.range(*span) {
-            Some(range) => report.labels.push(Label::primary(span.file, range).with_message(label)),
-            None => report.notes.extend(files.path(span.file).map(|p| format!("in {}", p.display()))),
+        match (files.range(*span), files.path(span.file)) {
+            (Some(range), _) if files.line_length(span.file, range.start) <= LONGEST_LINE => {
+                report.labels.push(Label::primary(span.file, range).with_message(label));
+            }
+            (Some(range), Some(path)) => report.notes.push(files.excerpt(span.file, path, range)),
+            (None, Some(path)) => report.notes.push(format!("in {}", path.display())),
+            (_, None) => {}
         }
     }
     report.notes.extend(diagnostic.help.iter().map(|h| format!("help: {h}")));
@@ -90,6 +97,24 @@ impl<'a> IndexedSources<'a> {
 
     fn path(&self, file: u32) -> Option<&'a Path> {
         self.sources.files().get(file as usize).map(|f| f.path.as_path())
+    }
+
+    fn line_length(&self, file: u32, byte_index: usize) -> usize {
+        let line = self.line_index(file, byte_index).and_then(|index| self.line_range(file, index));
+        line.map_or(0, |range| range.len())
+    }
+
+    /// The place of a span and the text there, without the rest of its line.
+    fn excerpt(&self, file: u32, path: &Path, range: Range<usize>) -> String {
+        const MOST: usize = 60;
+        let text = &self.sources.file(file).text[range.start..];
+        let piece: String = text.lines().next().unwrap_or("").chars().take(MOST).collect();
+        match self.location(file, range.start) {
+            Ok(place) => {
+                format!("at {}:{}:{}: {piece}", path.display(), place.line_number, place.column_number)
+            }
+            Err(_) => format!("in {}: {piece}", path.display()),
+        }
     }
 
     /// The bytes of a span, moved to character boundaries; `None` where its file has no text.
@@ -178,6 +203,17 @@ mod tests {
             diagnostics.push(Diagnostic::note("odd", "odd place").at(span, ""));
         }
         assert_eq!(render(&diagnostics, &sources, false).matches("odd place").count(), 4);
+    }
+
+    #[test]
+    fn cuts_long_lines() {
+        let mut sources = SourceMap::default();
+        let file =
+            sources.add("long.xml", format!("<scene>\n{}<wibble/>{}", "x".repeat(1000), "y".repeat(1000)));
+        let mut diagnostics = Diagnostics::new(false);
+        diagnostics.push(Diagnostic::error("e", "wrong").at(Span { file, start: 1008, end: 1016 }, ""));
+        let text = render(&diagnostics, &sources, false);
+        assert!(text.contains("at long.xml:2:1001: <wibble/>yyy") && text.len() < 300, "{text}");
     }
 
     #[test]

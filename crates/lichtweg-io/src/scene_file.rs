@@ -1,5 +1,6 @@
 //! A scene from wherever it is: a file of any known format, or built in.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -33,11 +34,12 @@ impl SceneLocation {
     ///
     /// # Errors
     /// There is no built-in scene of that name; the message lists those there are.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        if !text.starts_with(builtin::PREFIX) {
+    pub fn parse(text: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, String> {
+        let text = text.as_ref();
+        let Some(name) = text.to_str().filter(|text| text.starts_with(builtin::PREFIX)) else {
             return Ok(Self::File(text.into()));
-        }
-        builtin::find(text).map(Self::Builtin).ok_or_else(|| {
+        };
+        builtin::find(name).map(Self::Builtin).ok_or_else(|| {
             let names: Vec<String> =
                 builtin::SCENES.iter().map(|s| format!("{}{}", builtin::PREFIX, s.name)).collect();
             format!("there is no such scene; built in are {}", names.join(", "))

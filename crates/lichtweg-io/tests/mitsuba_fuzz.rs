@@ -137,6 +137,44 @@ fn damaged_scenes_are_refused_in_peace() {
     println!("{count} damaged scenes");
 }
 
+/// The files beside a scene, each damaged in turn.
+#[test]
+fn damaged_files_are_refused_in_peace() {
+    let folder = std::env::temp_dir().join(format!("lichtweg-mitsuba-fuzz-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let names = ["triangle.obj", "triangle.ply", "dots.png", "eta.spd"];
+    let originals = names.map(|n| std::fs::read(Path::new("tests/good/mitsuba/part").join(n)).unwrap());
+    let shape = |kind: &str| {
+        format!("<shape type=\"{kind}\"><string name=\"filename\" value=\"triangle.{kind}\"/></shape>")
+    };
+    let text = format!(
+        "<scene version=\"3.0.0\"><sensor type=\"perspective\"/>{}{}<emitter type=\"envmap\">\
+         <string name=\"filename\" value=\"dots.png\"/></emitter><bsdf type=\"diffuse\">\
+         <spectrum name=\"reflectance\" filename=\"eta.spd\"/></bsdf></scene>",
+        shape("obj"),
+        shape("ply")
+    );
+    let (start, mut random) = (Instant::now(), Random(7));
+    while start.elapsed() < budget() / 4 {
+        for (name, original) in names.iter().zip(&originals) {
+            let mut bytes = original.clone();
+            for _ in 0..random.below(4) {
+                let at = random.below(bytes.len());
+                bytes[at] =
+                    if random.below(2) == 0 { random.next() as u8 } else { b"0 9-.\n"[random.below(6)] };
+            }
+            bytes.truncate(bytes.len() - random.below(bytes.len()) * usize::from(random.below(4) == 0));
+            std::fs::write(folder.join(name), bytes).unwrap();
+        }
+        let (mut sources, mut diagnostics) = (SourceMap::default(), Diagnostics::new(true));
+        let (options, mut report) = (ReadOptions::default(), LoadReport::default());
+        let name = folder.join("scene.xml");
+        let scene = read_str(&name, &text, &options, &mut sources, &mut diagnostics, &mut report);
+        assert_eq!(scene.is_none(), diagnostics.has_errors());
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn deep_and_wide_scenes_end() {
     let nested = |open: &str, close: &str| {

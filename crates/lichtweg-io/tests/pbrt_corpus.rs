@@ -57,6 +57,20 @@ fn lenient_reading_names_the_substitutes() {
     assert!(!diagnostics.has_errors());
 }
 
+/// In lenient mode only what leaves no scene stays an error.
+#[test]
+fn lenient_reading_replaces_what_it_can() {
+    let lost = ["missing-directive", "unreadable-file"];
+    for path in corpus() {
+        let (_, strict, _) = read(&path, false);
+        let (_, lenient, _) = read(&path, true);
+        assert_eq!(strict.list.len(), lenient.list.len(), "{}", path.display());
+        for diagnostic in lenient.list.iter().filter(|d| d.severity == Severity::Error) {
+            assert!(lost.contains(&diagnostic.code), "{}: {}", path.display(), diagnostic.message);
+        }
+    }
+}
+
 #[test]
 fn a_scene_is_returned_exactly_without_errors() {
     for path in corpus() {

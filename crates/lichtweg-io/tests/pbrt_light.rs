@@ -149,11 +149,11 @@ fn area_lights() {
 #[test]
 fn environment_maps() {
     let directory = directory("pbrt-environment");
-    write_pfm(&directory.join("white.pfm"), 16, |_, _| [2.0; 3]);
+    write_pfm(&directory.join("white.pfm"), 64, |_, _| [2.0; 3]);
     let text = "Rotate 90 1 0 0 LightSource \"infinite\" \"string filename\" \"white.pfm\" \"float scale\" 3";
     let scene = read_in(&directory, text);
     let LightKind::Environment { image, mapping, to_world } = &scene.lights[0].kind else { panic!() };
-    assert_eq!((image.width, *mapping), (16, EnvironmentMapping::EqualAreaOctahedral));
+    assert_eq!((image.width, *mapping), (64, EnvironmentMapping::EqualAreaOctahedral));
     assert!((to_world.vector(Vec3::Y) - Vec3::Z).length() < 1e-6);
     assert_eq!(scene.lights[0].scale, 3.0);
     // pbrt's sum over the upper half of a map of radiance 2: 2 * 2 pi * (mean of the cosine over all directions, 1/4).

@@ -92,12 +92,12 @@ fn screen_windows() {
 fn film_exposure_and_crop() {
     let size = "\"integer xresolution\" 100 \"integer yresolution\" 50";
     let film = read(
-        &format!("Film \"rgb\" {size} \"float iso\" 200 \"float cropwindow\" [ .25 .5 0 .3 ]\nCamera \"perspective\" \"float shutterclose\" .25"),
+        &format!("Film \"rgb\" {size} \"float iso\" 200 \"float cropwindow\" [ .5 .25 0 .31 ]\nCamera \"perspective\" \"float shutterclose\" .25"),
         "",
     )
     .film;
     assert_eq!(film.scale, 0.5);
-    assert_eq!(film.crop, Some([25, 0, 25, 15]));
+    assert_eq!(film.crop, Some([25, 0, 25, 16]));
     let film = read(&format!("Film \"rgb\" {size} \"integer pixelbounds\" [ 10 20 30 60 ]"), "").film;
     assert_eq!(film.crop, Some([10, 30, 10, 20]));
 }

@@ -83,15 +83,15 @@ fn cornell_box_agrees_and_a_depth_too_small_does_not() {
 
 #[test]
 fn veach_mis_agrees() {
-    check("veach-mis", 512, Some(2));
+    check("veach-mis", 256, Some(2));
 }
 
 #[test]
 fn veach_bidir_agrees() {
-    check("veach-bidir", 1024, None);
+    check("veach-bidir", 512, None);
 }
 
 #[test]
 fn veach_ajar_agrees() {
-    check("veach-ajar", 512, None);
+    check("veach-ajar", 256, None);
 }

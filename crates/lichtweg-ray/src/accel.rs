@@ -78,15 +78,15 @@ pub enum BuildError {
 pub struct Accel {
     geometries: Vec<Geometry>,
     quadrics: Vec<PlacedQuadric>,
-    bvh: Bvh,
-    isa: Isa,
+    pub(crate) bvh: Bvh,
+    pub(crate) isa: Isa,
     bounds: Bounds3,
     report: BuildReport,
 }
 
 impl Accel {
     /// Builds the structure on rayon's current thread pool; the result does not depend on its size.
-    /// Triangles that are not finite, beyond 2^60 or without area are dropped and counted.
+    /// Triangles that are not finite, beyond 2^40 or without area are dropped and counted.
     pub fn build(geometries: Vec<Geometry>, _options: BuildOptions) -> Result<Self, BuildError> {
         let start = Instant::now();
         let mut census = build::census(&geometries)?;

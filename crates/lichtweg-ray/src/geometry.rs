@@ -37,6 +37,16 @@ pub enum Geometry {
     Quadric(Quadric),
 }
 
+impl Geometry {
+    /// Number of primitives that hits can name.
+    pub fn primitives(&self) -> usize {
+        match self {
+            Self::Triangles(mesh) => mesh.indices.len(),
+            Self::Quadric(_) => 1,
+        }
+    }
+}
+
 impl From<TriangleMesh> for Geometry {
     fn from(mesh: TriangleMesh) -> Self {
         Self::Triangles(mesh)

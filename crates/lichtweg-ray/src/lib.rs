@@ -16,6 +16,8 @@
 //! edges, and every instruction set gives the same bits.
 
 mod accel;
+#[cfg(test)]
+mod agreement;
 mod build;
 mod bvh;
 mod geometry;

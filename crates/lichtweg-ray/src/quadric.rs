@@ -43,8 +43,7 @@ pub enum QuadricShape {
 
 impl QuadricShape {
     /// The whole unit sphere.
-    pub const SPHERE: Self =
-        Self::Sphere { z_min: -1.0, z_max: 1.0, phi_max: std::f32::consts::TAU };
+    pub const SPHERE: Self = Self::Sphere { z_min: -1.0, z_max: 1.0, phi_max: std::f32::consts::TAU };
     /// The whole unit disk.
     pub const DISK: Self = Self::Disk { inner_radius: 0.0, phi_max: std::f32::consts::TAU };
 
@@ -76,9 +75,7 @@ impl QuadricShape {
     /// Half extent of the smallest origin-centred slab in z, as (lowest, highest).
     fn z_range(&self) -> (f64, f64) {
         match *self {
-            Self::Sphere { z_min, z_max, .. } => {
-                (f64::from(z_min).max(-1.0), f64::from(z_max).min(1.0))
-            }
+            Self::Sphere { z_min, z_max, .. } => (f64::from(z_min).max(-1.0), f64::from(z_max).min(1.0)),
             Self::Disk { .. } => (0.0, 0.0),
             Self::Cylinder { z_min, z_max, .. } => (f64::from(z_min), f64::from(z_max)),
         }
@@ -86,9 +83,9 @@ impl QuadricShape {
 
     fn phi_max(&self) -> f64 {
         match *self {
-            Self::Sphere { phi_max, .. }
-            | Self::Disk { phi_max, .. }
-            | Self::Cylinder { phi_max, .. } => f64::from(phi_max),
+            Self::Sphere { phi_max, .. } | Self::Disk { phi_max, .. } | Self::Cylinder { phi_max, .. } => {
+                f64::from(phi_max)
+            }
         }
     }
 }
@@ -105,8 +102,8 @@ pub struct Quadric {
 /// A quadric made ready for queries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedQuadric {
-    /// Index in the caller's list.
-    pub geometry: u32,
+    /// Running number of the primitive.
+    pub id: u32,
     world_to_object: Affine,
     shape: QuadricShape,
     phi_max: f64,
@@ -118,10 +115,8 @@ impl Quadric {
     /// World bounds, a few ulps wide of exact.
     pub fn bounds(&self) -> Bounds3 {
         let (lo, hi) = self.shape.z_range();
-        let rows = self.object_to_world.rows;
         let mut out = Bounds3::EMPTY;
-        for axis in 0..3 {
-            let [a, b, c, t] = rows[axis];
+        for (axis, [a, b, c, t]) in self.object_to_world.rows.into_iter().enumerate() {
             let radial = (a * a + b * b).sqrt();
             let (min, max) = match self.shape {
                 QuadricShape::Sphere { .. } if lo <= -1.0 && hi >= 1.0 => {
@@ -132,10 +127,7 @@ impl Quadric {
                     let high = sphere_support(radial, c, lo, hi);
                     (-sphere_support(radial, -c, lo, hi), high)
                 }
-                _ => (
-                    (c * lo).min(c * hi) - radial,
-                    (c * lo).max(c * hi) + radial,
-                ),
+                _ => ((c * lo).min(c * hi) - radial, (c * lo).max(c * hi) + radial),
             };
             let slack = 4.0 * f64::from(f32::EPSILON) * (min.abs().max(max.abs()) + t.abs());
             out.min[axis] = (t + min - slack) as f32;
@@ -144,10 +136,10 @@ impl Quadric {
         out
     }
 
-    pub(crate) fn place(&self, geometry: u32) -> Option<PlacedQuadric> {
+    pub(crate) fn place(&self, id: u32) -> Option<PlacedQuadric> {
         let phi_max = self.shape.phi_max();
         Some(PlacedQuadric {
-            geometry,
+            id,
             world_to_object: self.object_to_world.inverse()?,
             shape: self.shape,
             phi_max,
@@ -224,8 +216,7 @@ impl PlacedQuadric {
     fn keeps(&self, p: Point) -> bool {
         let inside = match self.shape {
             QuadricShape::Sphere { z_min, z_max, .. } => {
-                (z_min <= -1.0 || p[2] >= f64::from(z_min))
-                    && (z_max >= 1.0 || p[2] <= f64::from(z_max))
+                (z_min <= -1.0 || p[2] >= f64::from(z_min)) && (z_max >= 1.0 || p[2] <= f64::from(z_max))
             }
             QuadricShape::Cylinder { z_min, z_max, .. } => {
                 p[2] >= f64::from(z_min) && p[2] <= f64::from(z_max)

@@ -8,14 +8,16 @@
 //! may stand for a sign. Triangles with a zero among signs that agree otherwise are settled in `f64`,
 //! where the products are exact, as are those whose area nearly underflows.
 //!
-//! Coordinates up to 2^60 cannot overflow.
+//! Coordinates up to 2^40 cannot overflow.
 
 use crate::math::Vec3;
-use crate::ray::Ray;
 use crate::simd::Lanes;
 
 /// Doubled projected areas below this are left to `f64`.
 const TINY_AREA: f32 = 7.888_609e-31; // 2^-100
+
+/// Relative slack of the first look at the depth.
+const SLACK: f32 = 1e-6;
 
 /// A ray's shear: the axis z of largest direction component, the other two, and the map to the z axis.
 #[derive(Clone, Copy, Debug)]
@@ -26,29 +28,18 @@ pub(crate) struct Shear {
     pub origin: [f32; 3],
     /// (dx/dz, dy/dz, 1/dz) in permuted axes.
     pub scale: [f32; 3],
+    /// Hits lie beyond this t.
+    pub tnear: f32,
+    /// dz.
+    pub pace: f32,
 }
 
-impl Shear {
-    #[inline(always)]
-    pub(crate) fn new(ray: &Ray) -> Self {
-        let d = ray.direction.to_array();
-        let a = ray.direction.abs();
-        let z = if a.x > a.y {
-            if a.x > a.z { 0 } else { 2 }
-        } else if a.y > a.z {
-            1
-        } else {
-            2
-        };
-        let o = ray.origin.to_array();
-        let x = if z == 2 { 0 } else { z + 1 };
-        let y = if x == 2 { 0 } else { x + 1 };
-        Self {
-            axes: [x, y, z],
-            origin: [o[x], o[y], o[z]],
-            scale: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
-        }
-    }
+/// World axes x, y, z of a shear whose z is the world axis of largest absolute value.
+#[inline(always)]
+pub(crate) fn shear_axes(a: Vec3) -> [usize; 3] {
+    let z = usize::from(a.x < a.y);
+    let z = if a.x.max(a.y) < a.z { 2 } else { z };
+    [[1, 2, 0, 0][z], [2, 0, 1, 1][z], z]
 }
 
 /// A hit of one triangle: t and the weights of vertices 1 and 2.
@@ -59,22 +50,6 @@ pub(crate) struct TriangleHit {
     pub v: f32,
 }
 
-/// The test of a single triangle.
-#[cfg(test)]
-pub(crate) fn intersect(
-    shear: &Shear,
-    corners: [Vec3; 3],
-    tnear: f32,
-    tfar: f32,
-) -> Option<TriangleHit> {
-    use crate::simd::Portable;
-    let mut block = crate::bvh::Block::EMPTY;
-    block.set(0, corners);
-    let wide = WideShear::<Portable>::new(shear, tnear);
-    let hits = wide.intersect(&block, Portable::splat(tfar));
-    (hits.mask == 1).then(|| hits.lane(0))
-}
-
 /// A shear with its constants in all lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct WideShear<V> {
@@ -82,11 +57,23 @@ pub(crate) struct WideShear<V> {
     origin: [V; 3],
     scale: [V; 3],
     tnear: V,
+    /// Signs of 1 / dz.
+    near_z: V,
+    pace: f32,
+}
+
+/// The end of a ray's range: t, and distance along z with some slack.
+#[derive(Clone, Copy)]
+pub(crate) struct End<V> {
+    pub t: V,
+    z: V,
 }
 
 /// Hits of the triangles of a block: only lanes of the mask mean something.
 pub(crate) struct BlockHits<V> {
     pub mask: u32,
+    /// Whether the block needs [`WideShear::settle`] instead; the rest means nothing then.
+    pub doubt: bool,
     t: V,
     u: V,
     v: V,
@@ -110,18 +97,26 @@ impl<V: Lanes> BlockHits<V> {
 
 impl<V: Lanes> WideShear<V> {
     #[inline(always)]
-    pub(crate) fn new(shear: &Shear, tnear: f32) -> Self {
+    pub(crate) fn new(shear: &Shear) -> Self {
         Self {
             shear: *shear,
             origin: wide(shear.origin),
             scale: wide(shear.scale),
-            tnear: V::splat(tnear),
+            tnear: V::splat(shear.tnear),
+            near_z: V::splat(shear.tnear * shear.pace.abs() * (1.0 - SLACK)),
+            pace: shear.pace.abs() * (1.0 + SLACK),
         }
+    }
+
+    /// The range's end, as [`WideShear::intersect`] wants it.
+    #[inline(always)]
+    pub(crate) fn end(&self, tfar: f32) -> End<V> {
+        End { t: V::splat(tfar), z: V::splat(tfar * self.pace) }
     }
 
     /// Hits with `tnear < t <= tfar` among the triangles of a block.
     #[inline(always)]
-    pub(crate) fn intersect(&self, block: &crate::bvh::Block, tfar: V) -> BlockHits<V> {
+    pub(crate) fn intersect(&self, block: &crate::bvh::Block, end: &End<V>) -> BlockHits<V> {
         let [ax, ay, az] = self.sheared(&block.corners[0]);
         let [bx, by, bz] = self.sheared(&block.corners[1]);
         let [cx, cy, cz] = self.sheared(&block.corners[2]);
@@ -132,24 +127,30 @@ impl<V: Lanes> WideShear<V> {
         let least = u.min(v).min(w);
         let most = u.max(v).max(w);
         let inside = V::or(zero.le(least), most.le(zero));
-        let mut mask = V::bits(inside);
-        if mask == 0 {
-            return BlockHits { mask, t: zero, u: zero, v: zero };
-        }
+        // A first look at the depth, without a division: one branch for most that is no hit.
         let det = u.add(v).add(w);
+        let z = w.mul_add(cz, v.mul_add(bz, u.mul(az))).xor_sign(det).xor_sign(self.scale[2]);
+        let area = det.abs();
+        let near = V::and(z.not_lt(area.mul(self.near_z)), area.mul(end.z).not_lt(z));
+        let mask = V::bits(V::and(inside, near));
+        if mask == 0 {
+            return BlockHits { mask, doubt: false, t: zero, u: zero, v: zero };
+        }
         let r = V::splat(1.0).div(det);
         let (u, v, w) = (u.mul(r), v.mul(r), w.mul(r));
         let t = w.mul_add(cz, v.mul_add(bz, u.mul(az))).mul(self.scale[2]);
-        let definite =
-            V::and(V::or(zero.lt(least), most.lt(zero)), V::splat(TINY_AREA).le(det.abs()));
-        let in_range = V::and(self.tnear.lt(t), t.le(tfar));
+        let definite = V::and(V::or(zero.lt(least), most.lt(zero)), V::splat(TINY_AREA).le(area));
+        let in_range = V::and(self.tnear.lt(t), t.le(end.t));
         let doubtful = mask & !V::bits(definite);
-        mask &= V::bits(in_range) & !doubtful;
-        let mut hits = BlockHits { mask, t, u: v, v: w };
-        if doubtful != 0 {
-            self.settle(block, doubtful, tfar, &mut hits);
-        }
-        hits
+        BlockHits { mask: V::bits(in_range) & mask | doubtful, doubt: doubtful != 0, t, u: v, v: w }
+    }
+
+    /// The slow test of one lane.
+    #[inline(never)]
+    pub(crate) fn settle(&self, block: &crate::bvh::Block, lane: usize, tfar: f32) -> Option<TriangleHit> {
+        let tnear = self.shear.tnear;
+        let h = triangle(&self.shear, block.triangle(lane))?;
+        (h.t > tnear && h.t <= tfar).then_some(h)
     }
 
     #[inline(always)]
@@ -165,34 +166,6 @@ impl<V: Lanes> WideShear<V> {
         let row = unsafe { V::load(corner.get_unchecked(self.shear.axes[axis]).as_ptr()) };
         row.sub(self.origin[axis])
     }
-
-    /// Decides the lanes of `doubtful` in `f64`.
-    #[cold]
-    #[inline(never)]
-    fn settle(
-        &self,
-        block: &crate::bvh::Block,
-        doubtful: u32,
-        tfar: V,
-        hits: &mut BlockHits<V>,
-    ) {
-        let tnear = self.tnear.to_array().0[0];
-        let tfar = tfar.to_array().0[0];
-        let (mut t, mut u, mut v) = (hits.t.to_array(), hits.u.to_array(), hits.v.to_array());
-        for lane in (0..8).filter(|l| doubtful >> l & 1 != 0) {
-            let Some(h) = exact(&self.shear, block.triangle(lane)) else { continue };
-            if h.t > tnear && h.t <= tfar {
-                hits.mask |= 1 << lane;
-                (t.0[lane], u.0[lane], v.0[lane]) = (h.t, h.u, h.v);
-            }
-        }
-        // SAFETY: `Aligned8` has the size and alignment of a register.
-        unsafe {
-            hits.t = V::load(t.0.as_ptr());
-            hits.u = V::load(u.0.as_ptr());
-            hits.v = V::load(v.0.as_ptr());
-        }
-    }
 }
 
 // Not `array::map`: what is not inlined loses the instruction set.
@@ -202,6 +175,27 @@ fn wide<V: Lanes>([x, y, z]: [f32; 3]) -> [V; 3] {
 }
 
 /// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
+/// The scalar test, with the same result as the vector test where that is definite.
+fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
+    let [sx, sy, sz] = shear.scale;
+    let [a, b, c] = corners.map(|p| {
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p[shear.axes[i]] - shear.origin[i]);
+        [(-sx).mul_add(z, x), (-sy).mul_add(z, y), z]
+    });
+    let edge = |p: [f32; 3], q: [f32; 3]| p[0] * q[1] - p[1] * q[0];
+    let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
+    let positive = u > 0.0 && v > 0.0 && w > 0.0;
+    let negative = u < 0.0 && v < 0.0 && w < 0.0;
+    let det = u + v + w;
+    if !(positive || negative) || det.abs() < TINY_AREA {
+        return exact(shear, corners);
+    }
+    let r = 1.0 / det;
+    let (u, v, w) = (u * r, v * r, w * r);
+    let t = w.mul_add(c[2], v.mul_add(b[2], u * a[2])) * sz;
+    Some(TriangleHit { t, u: v, v: w })
+}
+
 fn exact(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
     let [a, b, c] = corners.map(|p| {

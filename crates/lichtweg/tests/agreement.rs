@@ -141,7 +141,8 @@ fn textured_emitters() {
     let board = d.texture(checkerboard([6.0, 1.0, 1.0], [0.2, 0.5, 3.0], 1.5));
     let pixels = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [2.0, 2.0, 0.0]];
     let image = d.texture(bitmap(2, &pixels, TextureFilter::Bilinear));
-    let ceiling = chain(&[Affine::translation(0.4, 0.95, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
+    let ceiling =
+        chain(&[Affine::translation(0.4, 0.95, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
     d.shape(rectangle(), ceiling, black).emission = glow_input(image.clone());
     let disk = chain(&[Affine::translation(-0.5, 0.9, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
     d.shape(DISK, disk, black).emission = glow_input(board.clone());
@@ -258,11 +259,16 @@ fn many_lights() {
     let black = d.diffuse([0.0; 3]);
     for i in 0..60 {
         let t = f64::from(i);
-        let center = [0.9 * (2.4 * t).cos() * (t / 60.0).sqrt(), 0.8 - 0.02 * t, 0.9 * (2.4 * t).sin() * (t / 60.0)];
+        let center =
+            [0.9 * (2.4 * t).cos() * (t / 60.0).sqrt(), 0.8 - 0.02 * t, 0.9 * (2.4 * t).sin() * (t / 60.0)];
         let size = 0.05 + 0.08 * (t * 0.7).sin().abs();
         let power = 20.0 * (1.0 + (t * 1.3).cos()) as f32 + 1.0;
         let turn = Affine::rotation([1.0, t.sin(), t.cos()], 29.0 * t);
-        let place = chain(&[Affine::translation(center[0], center[1], center[2]), turn, Affine::scaling(size, size, size)]);
+        let place = chain(&[
+            Affine::translation(center[0], center[1], center[2]),
+            turn,
+            Affine::scaling(size, size, size),
+        ]);
         let geometry = match i % 6 {
             0 => SPHERE,
             1 => DISK,

@@ -8,7 +8,9 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::build::{Build, CYLINDER, DISK, SPHERE, chain, facing_down, facing_up, glow, grid, placed, rectangle};
+use common::build::{
+    Build, CYLINDER, DISK, SPHERE, chain, facing_down, facing_up, glow, grid, placed, rectangle,
+};
 use common::judge::{assert_expectation, expectation};
 use common::probe::{probe, reflected};
 use common::run::{Estimator, camera, render};
@@ -212,7 +214,8 @@ fn area_lights_of_all_shapes() {
     let cases = area_lights();
     for (what, description, irradiance) in &cases {
         // A walk hits the far sphere too seldom to say anything.
-        let estimators = Estimator::ALL.into_iter().filter(|e| *what != "far sphere" || *e != Estimator::Naive);
+        let estimators =
+            Estimator::ALL.into_iter().filter(|e| *what != "far sphere" || *e != Estimator::Naive);
         for estimator in estimators {
             let mut d = description.clone();
             estimator.choose(&mut d);

@@ -7,6 +7,7 @@ mod layers;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use lichtweg_montecarlo::SamplerKind;
 
 pub use filter::{describe_filter, parse_filter};
@@ -88,6 +89,12 @@ pub fn describe_sampler(kind: SamplerKind) -> &'static str {
     }
 }
 
+/// A seed.
+pub fn parse_seed(text: &str) -> Result<u64, String> {
+    let expected = || format!("expected a whole number from 0 to {}", u64::MAX);
+    text.trim().parse().map_err(|_| expected())
+}
+
 /// A number of threads.
 pub fn parse_threads(text: &str) -> Result<usize, String> {
     match whole(text) {
@@ -127,9 +134,13 @@ pub fn parse_exposure(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Takes an image file from the command line.
+pub fn output_parser() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(parse_output)
+}
+
 /// An image file, by its extension.
-pub fn parse_output(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
+fn parse_output(path: PathBuf) -> Result<PathBuf, String> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     if matches!(extension.as_str(), "exr" | "png" | "hdr" | "pfm") {
         return Ok(path);
@@ -197,9 +208,9 @@ mod tests {
 
     #[test]
     fn outputs() {
-        assert!(parse_output("a/b.EXR").is_ok());
+        assert!(parse_output("a/b.EXR".into()).is_ok());
         for wrong in ["a", "a.jpg", ".png", "exr"] {
-            assert!(parse_output(wrong).unwrap_err().contains(".hdr"), "{wrong}");
+            assert!(parse_output(wrong.into()).unwrap_err().contains(".hdr"), "{wrong}");
         }
     }
 

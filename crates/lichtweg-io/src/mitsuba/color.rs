@@ -109,6 +109,9 @@ pub(super) fn parse_spectrum(text: &str) -> Result<SpectrumDescription, String> 
     match parts[..] {
         [] => Err("number or wavelength:value pairs expected, got nothing".to_owned()),
         [one] if !one.contains(':') => Ok(SpectrumDescription::Constant(finite(parse_float(one)?)?)),
+        _ if parts.len() == 3 && !text.contains(':') => {
+            Err("a number or wavelength:value pairs expected; three numbers are written as <rgb>".to_owned())
+        }
         _ => {
             let pairs: Result<Vec<_>, String> = parts
                 .iter()

@@ -135,7 +135,7 @@ impl Walk<'_> {
         let column = text[line_start..].char_indices().nth(position.col.saturating_sub(1) as usize);
         let at = line_start + column.map_or(text.len() - line_start, |(at, _)| at);
         // The position at the end of the message is that of the caret.
-        let message = error.to_string();
+        let message = error.to_string().replace('\n', "\\n");
         let message =
             message.rsplit_once(" at ").filter(|(_, p)| p.contains(':')).map_or(&*message, |(m, _)| m);
         let diagnostic = Diagnostic::error("xml-syntax", format!("no well-formed XML: {message}"));

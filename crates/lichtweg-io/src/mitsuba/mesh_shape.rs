@@ -1,5 +1,8 @@
 //! Meshes: files, rectangles and cubes (Mitsuba 3 `src/shapes/obj.cpp`, `ply.cpp`, `serialized.cpp`, `rectangle.cpp`,
 //! `cube.cpp`).
+//!
+//! Limit: where a file has no normals, Mitsuba makes smooth ones in the world, here they are made in the mesh's own space;
+//! under a transform that distorts angles the two differ slightly.
 
 use std::sync::Arc;
 

@@ -109,7 +109,8 @@ impl<'a> Translator<'a> {
             }
         };
         self.refuse_unknown(object);
-        Some(TextureInput::Texture(self.add_texture(object, kind?)))
+        let Some(kind) = kind else { return Some(TextureInput::number(0.5)) };
+        Some(TextureInput::Texture(self.add_texture(object, kind)))
     }
 
     fn bitmap(&mut self, object: &'a Object) -> Option<TextureKind> {

@@ -14,7 +14,10 @@ pub(super) fn open(parser: &mut Parser, kind: BlockKind, span: Span) {
     if parser.blocks.len() >= MOST_BLOCKS {
         if parser.unsaved_blocks == 0 {
             let text = format!("more than {MOST_BLOCKS} blocks are nested");
-            parser.report.push(Diagnostic::error("nesting", text).at(span, "opened here"));
+            parser.report.substitute(
+                Diagnostic::error("nesting", text).at(span, "opened here"),
+                "deeper blocks do not save the state",
+            );
         }
         parser.unsaved_blocks += 1;
         return;
@@ -37,7 +40,10 @@ pub(super) fn close(parser: &mut Parser, kind: &BlockKind, span: Span) {
             let [open, expected] = block.kind.directives();
             let text = format!("{end} does not close the innermost block, which {open} opened");
             let diagnostic = Diagnostic::error("nesting", text).at(span, format!("expected {expected}"));
-            parser.report.push(diagnostic);
+            parser.report.substitute(
+                diagnostic,
+                "inner blocks are closed as well, or it is passed over where none matches",
+            );
             if parser.blocks.iter().any(|b| same(&b.kind)) {
                 // The inner block was left open: close it as well.
                 return close(parser, kind, span);
@@ -46,7 +52,10 @@ pub(super) fn close(parser: &mut Parser, kind: &BlockKind, span: Span) {
         }
         None => {
             let text = format!("{end} without {begin}");
-            parser.report.push(Diagnostic::error("nesting", text).at(span, "closes nothing"));
+            parser.report.substitute(
+                Diagnostic::error("nesting", text).at(span, "closes nothing"),
+                "it is passed over",
+            );
         }
     }
 }
@@ -56,7 +65,10 @@ pub(super) fn report_open_block(parser: &mut Parser) {
     if let Some(block) = parser.blocks.pop() {
         let [begin, end] = block.kind.directives();
         let text = format!("{begin} without {end}");
-        parser.report.push(Diagnostic::error("nesting", text).at(block.span, "opened here, never closed"));
+        parser.report.substitute(
+            Diagnostic::error("nesting", text).at(block.span, "opened here, never closed"),
+            "it is closed at the end",
+        );
     }
 }
 
@@ -80,7 +92,10 @@ pub(super) fn object_begin(parser: &mut Parser, span: Span) -> Result<(), Report
     };
     let refused = wrong.is_some();
     if let Some((code, text)) = wrong {
-        parser.report.push(Diagnostic::error(code, text).at(name_span, "this object"));
+        parser.report.substitute(
+            Diagnostic::error(code, text).at(name_span, "this object"),
+            "what it holds is left out",
+        );
     } else {
         parser.statements.object_names.insert(name.clone());
         parser.statements.objects.push(ObjectStatement { name: name.clone(), shapes: Vec::new() });
@@ -94,7 +109,7 @@ pub(super) fn object_instance(parser: &mut Parser) -> Result<(), Reported> {
     let (object, span) = parser.quoted("the name of an object")?;
     if open_object(parser).is_some() {
         let text = "an object cannot be used inside of another";
-        parser.report.push(Diagnostic::error("nesting", text).at(span, "used here"));
+        parser.report.substitute(Diagnostic::error("nesting", text).at(span, "used here"), "it is left out");
         return Ok(());
     }
     let to_world = static_transform(parser, span);

@@ -18,9 +18,9 @@ pub(super) struct Builder<'d> {
     pub scene: Description,
     pub files: Files,
     pub directory: PathBuf,
-    /// Textures built so far; `None` where one could not be, which is reported.
-    pub float_textures: HashMap<String, Option<TextureId>>,
-    pub spectrum_textures: HashMap<String, Option<TextureId>>,
+    /// Textures built so far.
+    pub float_textures: HashMap<String, TextureId>,
+    pub spectrum_textures: HashMap<String, TextureId>,
     pub materials: Vec<MaterialStatement>,
     pub named_materials: HashMap<String, usize>,
     /// What each of `materials` became; `None` has no surface.
@@ -60,6 +60,7 @@ pub(super) fn build(
         missing_materials: HashSet::new(),
         masks: HashMap::new(),
     };
+    builder.scene.camera.shutter = camera::shutter(&statements, &mut builder.report);
     film::build(&mut builder, &statements);
     camera::build(&mut builder, &statements);
     sampling::build(&mut builder, &statements);

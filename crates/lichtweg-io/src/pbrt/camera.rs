@@ -24,13 +24,14 @@ pub(super) fn build(builder: &mut Builder, statements: &Statements) {
     let (entity, from_world) = statements.camera.as_ref().unwrap_or(&default);
     let film = &builder.scene.film;
     let aspect = film.width as f32 / film.height as f32;
-    builder.scene.camera = camera(entity, from_world, aspect, &mut builder.report);
+    let shutter = builder.scene.camera.shutter;
+    builder.scene.camera =
+        CameraDescription { shutter, ..camera(entity, from_world, aspect, &mut builder.report) };
 }
 
 fn camera(entity: &Entity, from_world: &Affine, aspect: f32, report: &mut Report) -> CameraDescription {
     let params = &entity.params;
     check_type(entity, report);
-    let shutter = shutter(entity, report);
     let positive = |v: f32| v > 0.0;
     let fov = params.float_where(
         "fov",
@@ -55,7 +56,7 @@ fn camera(entity: &Entity, from_world: &Affine, aspect: f32, report: &mut Report
             }
             _ => {
                 let text = "\"screenwindow\" takes 4 numbers: x from and to, y from and to, each in increasing order";
-                report.push(param.bad_value(text, "expected 4 numbers"));
+                report.substitute(param.bad_value(text, "expected 4 numbers"), "the whole window is used");
             }
         }
     }
@@ -67,7 +68,6 @@ fn camera(entity: &Entity, from_world: &Affine, aspect: f32, report: &mut Report
         field_of_view,
         aperture_radius,
         focus_distance,
-        shutter,
         ..CameraDescription::default()
     }
 }
@@ -81,11 +81,14 @@ fn check_type(entity: &Entity, report: &mut Report) {
     if UNSUPPORTED.contains(&kind) {
         let text = format!("{kind} cameras are not supported");
         let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this camera");
-        report.unsupported(diagnostic, "a perspective camera is used");
+        report.substitute(diagnostic, "a perspective camera is used");
     } else {
         let diagnostic = Diagnostic::error("unknown-type", format!("\"{kind}\" is no type of camera"))
             .at(entity.span, "unknown camera");
-        report.push(suggest(diagnostic, kind, UNSUPPORTED.into_iter().chain(["perspective"])));
+        report.substitute(
+            suggest(diagnostic, kind, UNSUPPORTED.into_iter().chain(["perspective"])),
+            "a perspective camera is used",
+        );
     }
     // Parameters that the perspective camera shares keep their meaning.
     for (name, kind) in [
@@ -99,13 +102,17 @@ fn check_type(entity: &Entity, report: &mut Report) {
     }
 }
 
-fn shutter(entity: &Entity, report: &mut Report) -> [f32; 2] {
-    let open = entity.params.float("shutteropen", 0.0, report);
-    let close = entity.params.float("shutterclose", 1.0, report);
-    if open >= close {
-        let text = format!("the shutter opens at {open}, which is not before it closes at {close}");
-        report.push(Diagnostic::error("bad-value", text).at(entity.span, "this camera"));
-        return [close, open];
+/// The times at which the shutter opens and closes, in this order and apart.
+pub(super) fn shutter(statements: &Statements, report: &mut Report) -> [f32; 2] {
+    const DEFAULT: [f32; 2] = [0.0, 1.0];
+    let Some((entity, _)) = &statements.camera else { return DEFAULT };
+    let open = entity.params.float("shutteropen", DEFAULT[0], report);
+    let close = entity.params.float("shutterclose", DEFAULT[1], report);
+    if open < close {
+        return [open, close];
     }
-    [open, close]
+    let text = format!("the shutter opens at {open}, which is not before it closes at {close}");
+    let diagnostic = Diagnostic::error("bad-value", text).at(entity.span, "this camera");
+    report.substitute(diagnostic, "it is open from 0 to 1");
+    DEFAULT
 }

@@ -11,7 +11,7 @@ use lichtweg::scene::description::{Diagnostic, Span};
 use lichtweg_ray::math::Affine;
 
 use super::blocks::{close, object_begin, object_instance, open, open_object, report_open_block};
-use super::params::{Params, list};
+use super::params::Params;
 use super::parser::{Parser, Reported};
 use super::report::suggest;
 use super::settings::{color_space, medium_interface, option};
@@ -86,7 +86,9 @@ fn place_of(word: &str) -> Option<Place> {
 
 /// Reads and obeys one directive; false at the end of the file.
 pub(super) fn next(parser: &mut Parser) -> Result<bool, Reported> {
-    let Some(token) = parser.next_token() else { return Ok(false) };
+    let Some(token) = parser.next_token() else {
+        return if parser.take_broken() { Err(Reported) } else { Ok(false) };
+    };
     let span = parser.span_of(token);
     let word = parser.text(token).to_owned();
     let Some(place) = place_of(&word).filter(|_| token.kind == Kind::Word) else {
@@ -99,23 +101,32 @@ pub(super) fn next(parser: &mut Parser) -> Result<bool, Reported> {
 
 fn unknown(parser: &mut Parser, token: Token, word: &str) -> Reported {
     let span = parser.span_of(token);
-    parser.report.push(if token.kind == Kind::Word && word.starts_with(|c: char| c.is_alphabetic()) {
-        let diagnostic = Diagnostic::error("unknown-directive", format!("{word} is no directive"));
-        suggest(diagnostic.at(span, "unknown directive"), word, DIRECTIVES.iter().map(|(name, _)| *name))
-    } else {
-        Diagnostic::error("syntax", format!("expected a directive, found {word}"))
-            .at(span, "belongs to nothing")
-    });
+    parser.report.substitute(
+        if token.kind == Kind::Word && word.starts_with(|c: char| c.is_alphabetic()) {
+            let diagnostic = Diagnostic::error("unknown-directive", format!("{word} is no directive"));
+            suggest(diagnostic.at(span, "unknown directive"), word, DIRECTIVES.iter().map(|(name, _)| *name))
+        } else {
+            Diagnostic::error("syntax", format!("expected a directive, found {word}"))
+                .at(span, "belongs to nothing")
+        },
+        "it is passed over",
+    );
     Reported
 }
 
 fn check_place(parser: &mut Parser, word: &str, place: Place, span: Span) {
     let message = match place {
+        Place::Options if parser.in_world && word == "WorldBegin" => {
+            "there is a second WorldBegin".to_owned()
+        }
         Place::Options if parser.in_world => format!("{word} belongs before WorldBegin"),
         Place::World if !parser.in_world => format!("{word} belongs after WorldBegin"),
         _ => return,
     };
-    parser.report.push(Diagnostic::error("misplaced-directive", message).at(span, "not allowed here"));
+    parser.report.substitute(
+        Diagnostic::error("misplaced-directive", message).at(span, "not allowed here"),
+        "it is obeyed all the same",
+    );
 }
 
 fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
@@ -148,7 +159,9 @@ fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
                     let text = format!("there is no coordinate system \"{name}\"");
                     let diagnostic = Diagnostic::error("unknown-name", text).at(span, "never defined before");
                     let known = parser.coordinate_systems.keys().map(String::as_str);
-                    parser.report.push(suggest(diagnostic, &name, known));
+                    parser
+                        .report
+                        .substitute(suggest(diagnostic, &name, known), "the transform stays as it is");
                 }
             }
         }
@@ -171,7 +184,7 @@ fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
             let entity = entity(parser, "MakeNamedMedium", Some("medium"))?;
             let text = "participating media are not supported";
             let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this medium");
-            parser.report.unsupported(diagnostic, "space is left empty");
+            parser.report.substitute(diagnostic, "space is left empty");
         }
         "Material" => {
             let entity = entity(parser, "Material", Some("material"))?;
@@ -250,10 +263,10 @@ fn attribute(parser: &mut Parser) -> Result<(), Reported> {
         }
         None => {
             let text = format!("\"{target}\" has no attributes");
-            let diagnostic = Diagnostic::error("unknown-name", text)
-                .at(span, "unknown target")
-                .help(format!("known are {}", list(&ATTRIBUTE_TARGETS)));
-            parser.report.push(suggest(diagnostic, &target, ATTRIBUTE_TARGETS));
+            let diagnostic = Diagnostic::error("unknown-name", text).at(span, "unknown target");
+            parser
+                .report
+                .substitute(suggest(diagnostic, &target, ATTRIBUTE_TARGETS), "the defaults are left out");
         }
     }
     Ok(())
@@ -295,14 +308,20 @@ fn named_material(parser: &mut Parser) -> Result<(), Reported> {
     let params = params(parser, Some("material"));
     if parser.statements.named_materials.contains_key(&name) {
         let text = format!("there is a material \"{name}\" already");
-        parser.report.push(Diagnostic::error("redefined-name", text).at(span, "defined again"));
+        parser.report.substitute(
+            Diagnostic::error("redefined-name", text).at(span, "defined again"),
+            "the first one counts",
+        );
         return Ok(());
     }
     let kind = params.string("type", &mut parser.report).unwrap_or("").to_owned();
     if !params.has("type") {
         let text = format!("the material \"{name}\" has no type");
         let help = "add a parameter such as \"string type\" \"diffuse\"";
-        parser.report.push(Diagnostic::error("missing-parameter", text).at(span, "no type").help(help));
+        parser.report.substitute(
+            Diagnostic::error("missing-parameter", text).at(span, "no type").help(help),
+            "shapes with it are left out",
+        );
         params.accept_all();
     }
     let entity = Entity { directive: "Material", kind, span, params };
@@ -323,7 +342,9 @@ fn texture(parser: &mut Parser) -> Result<(), Reported> {
             let text = format!("\"{value}\" is no type of texture");
             let diagnostic =
                 Diagnostic::error("unknown-type", text).at(value_span, "expected \"float\" or \"spectrum\"");
-            parser.report.push(suggest(diagnostic, &value, ["float", "spectrum"]));
+            parser
+                .report
+                .substitute(suggest(diagnostic, &value, ["float", "spectrum"]), "the texture is left out");
             return Ok(());
         }
     };
@@ -331,7 +352,10 @@ fn texture(parser: &mut Parser) -> Result<(), Reported> {
         parser.statements.textures.push(TextureStatement { name, is_float, entity });
     } else {
         let text = format!("there is a {value} texture \"{name}\" already");
-        parser.report.push(Diagnostic::error("redefined-name", text).at(name_span, "defined again"));
+        parser.report.substitute(
+            Diagnostic::error("redefined-name", text).at(name_span, "defined again"),
+            "the first one counts",
+        );
     }
     Ok(())
 }
@@ -343,7 +367,7 @@ fn shape(parser: &mut Parser) -> Result<(), Reported> {
         to_world,
         reverse_orientation: parser.graphics.reverse_orientation,
         material: parser.graphics.material.clone(),
-        area_light: parser.graphics.area_light.clone(),
+        area_light: parser.graphics.area_light,
         entity,
     };
     match open_object(parser) {
@@ -379,7 +403,7 @@ pub(super) fn static_transform(parser: &mut Parser, span: Span) -> Affine {
     if start != end {
         let diagnostic = Diagnostic::error("unsupported", "motion is not supported")
             .at(span, "moves while the shutter is open");
-        parser.report.unsupported(diagnostic, "it stays where it is at the start");
+        parser.report.substitute(diagnostic, "it stays where it is at the start");
     }
     start
 }

@@ -86,7 +86,7 @@ impl<T> Table<T> {
             }
             Err(error) => {
                 if is_new {
-                    report.unsupported(error.clone().at(stated.values_span, "this file"), substitute);
+                    report.substitute(error.clone().at(stated.values_span, "this file"), substitute);
                 }
                 None
             }

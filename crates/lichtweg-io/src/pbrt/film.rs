@@ -15,26 +15,16 @@ use super::state::{Entity, Statements};
 /// Largest width and height; more would not fit into memory.
 const MOST_PIXELS: f64 = 1e9;
 
-/// Describes the film.
+/// Describes the film; the camera's shutter is known.
 pub(super) fn build(builder: &mut Builder, statements: &Statements) {
     let filter = match &statements.filter {
         Some(entity) => filter(entity, &mut builder.report),
         None => FilterDescription::new(GAUSSIAN, 1.5),
     };
-    let exposure_time = statements.camera.as_ref().map_or(1.0, |(camera, _)| {
-        // Values out of order are reported with the camera.
-        let time = |name, default| {
-            camera
-                .params
-                .find(name, Type::Float)
-                .and_then(|p| p.numbers().first().copied())
-                .unwrap_or(default)
-        };
-        (time("shutterclose", 1.0) - time("shutteropen", 0.0)).abs()
-    });
+    let [open, close] = builder.scene.camera.shutter;
     let default = Entity { directive: "Film", kind: "rgb".to_owned(), ..Entity::default() };
     let entity = statements.film.as_ref().unwrap_or(&default);
-    builder.scene.film = film(entity, filter, exposure_time, &mut builder.report);
+    builder.scene.film = film(entity, filter, close - open, &mut builder.report);
 }
 
 fn film(
@@ -50,21 +40,22 @@ fn film(
         }
         "spectral" => {
             let diagnostic = Diagnostic::error("unsupported", "spectral films are not supported");
-            report.unsupported(diagnostic.at(entity.span, "this film"), "an rgb film is used");
-            for name in ["nbuckets"] {
-                params.accept(name, Type::Integer);
-            }
+            report.substitute(diagnostic.at(entity.span, "this film"), "an rgb film is used");
+            params.accept("nbuckets", Type::Integer);
             params.accept("lambdamin", Type::Float);
             params.accept("lambdamax", Type::Float);
         }
         other => {
             let diagnostic = Diagnostic::error("unknown-type", format!("\"{other}\" is no type of film"))
                 .at(entity.span, "unknown film");
-            report.push(if other == "image" {
-                diagnostic.help("this is a film of pbrt-v3; in pbrt-v4 it is called \"rgb\"")
-            } else {
-                suggest(diagnostic, other, ["rgb", "gbuffer", "spectral"])
-            });
+            report.substitute(
+                if other == "image" {
+                    diagnostic.help("this is a film of pbrt-v3; in pbrt-v4 it is called \"rgb\"")
+                } else {
+                    suggest(diagnostic, other, ["rgb", "gbuffer", "spectral"])
+                },
+                "an rgb film is used",
+            );
         }
     }
     let width = params.integer("xresolution", 1280, 1, report);
@@ -99,13 +90,13 @@ fn sensor_scale(entity: &Entity, exposure_time: f32, report: &mut Report) -> f32
     {
         let text = format!("the sensor \"{sensor}\" is not supported");
         let diagnostic = Diagnostic::error("unsupported", text).at(param.values_span, "this sensor");
-        report.unsupported(diagnostic, "the CIE 1931 observer is used");
+        report.substitute(diagnostic, "the CIE 1931 observer is used");
     }
     if params.float("whitebalance", 0.0, report) != 0.0
         && let Some(param) = params.find("whitebalance", Type::Float)
     {
         let diagnostic = Diagnostic::error("unsupported", "white balance is not supported");
-        report.unsupported(diagnostic.at(param.span, "this setting"), "colours are left as they are");
+        report.substitute(diagnostic.at(param.span, "this setting"), "colours are left as they are");
     }
     let iso = params.float_where("iso", 100.0, |v| v > 0.0, "must be positive", report);
     let scale = exposure_time * iso / 100.0;
@@ -131,21 +122,25 @@ fn crop(entity: &Entity, size: [i32; 2], report: &mut Report) -> Option<[u32; 4]
         stated = Some(param);
         bounds = None;
         if let &[x0, x1, y0, y1] = param.numbers() {
-            let clamped = |v: f32| f64::from(v.clamp(0.0, 1.0));
-            let (x, y) =
-                ([clamped(x0.min(x1)), clamped(x0.max(x1))], [clamped(y0.min(y1)), clamped(y0.max(y1))]);
-            bounds = Some([(w * x[0]).ceil(), (w * x[1]).ceil(), (h * y[0]).ceil(), (h * y[1]).ceil()]);
+            // In single precision, as in pbrt.
+            let edge = |v: f32, size: i32| f64::from((size as f32 * v.clamp(0.0, 1.0)).ceil());
+            let (left, right) = (edge(x0.min(x1), size[0]), edge(x0.max(x1), size[0]));
+            let (top, bottom) = (edge(y0.min(y1), size[1]), edge(y0.max(y1), size[1]));
+            bounds = Some([left, right, top, bottom]);
         }
     }
     let param = stated?;
     let Some([x0, x1, y0, y1]) = bounds else {
         let text = format!("\"{}\" takes 4 numbers: x from and to, y from and to", param.name);
-        report.push(param.bad_value(text, "expected 4 numbers"));
+        report.substitute(param.bad_value(text, "expected 4 numbers"), "the whole image is rendered");
         return None;
     };
     let (x0, x1, y0, y1) = (x0.max(0.0), x1.min(w), y0.max(0.0), y1.min(h));
     if x0 >= x1 || y0 >= y1 {
-        report.push(param.bad_value(format!("\"{}\" leaves nothing of the image", param.name), "empty"));
+        report.substitute(
+            param.bad_value(format!("\"{}\" leaves nothing of the image", param.name), "empty"),
+            "the whole image is rendered",
+        );
         return None;
     }
     Some([x0, y0, x1 - x0, y1 - y0].map(|v| v as u32))
@@ -177,7 +172,7 @@ fn filter(entity: &Entity, report: &mut Report) -> FilterDescription {
             let known = ["box", "gaussian", "mitchell", "sinc", "triangle"];
             let diagnostic = Diagnostic::error("unknown-type", format!("\"{other}\" is no type of filter"))
                 .at(entity.span, "unknown filter");
-            report.push(suggest(diagnostic, other, known));
+            report.substitute(suggest(diagnostic, other, known), "a Gaussian filter is used");
             params.accept_all();
             (GAUSSIAN, 1.5)
         }

@@ -56,7 +56,7 @@ impl Builder<'_> {
             known if UNSUPPORTED.contains(&known) => {
                 let text = format!("{known} lights are not supported");
                 let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this light");
-                self.report.unsupported(diagnostic, "the light is left out");
+                self.report.substitute(diagnostic, "the light is left out");
                 entity.params.accept_all();
                 None
             }
@@ -64,7 +64,10 @@ impl Builder<'_> {
                 let diagnostic =
                     Diagnostic::error("unknown-type", format!("\"{other}\" is no type of light"))
                         .at(entity.span, "unknown light");
-                self.report.push(suggest(diagnostic, other, SUPPORTED.into_iter().chain(UNSUPPORTED)));
+                self.report.substitute(
+                    suggest(diagnostic, other, SUPPORTED.into_iter().chain(UNSUPPORTED)),
+                    "the light is left out",
+                );
                 entity.params.accept_all();
                 None
             }
@@ -106,7 +109,7 @@ impl Builder<'_> {
         let intensity = self.emission(params, "I");
         let axis: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
         let Some(frame) = frame_about(axis, from) else {
-            self.report.push(no_direction(&statement.entity));
+            self.report.substitute(no_direction(&statement.entity), "the light is left out");
             return None;
         };
         let to_world = statement.to_world.after(&frame);
@@ -124,7 +127,7 @@ impl Builder<'_> {
         let (from, to) = from_to(params, &mut self.report);
         let direction = statement.to_world.vector(vec3(std::array::from_fn(|i| to[i] - from[i])));
         if direction == Vec3::ZERO {
-            self.report.push(no_direction(&statement.entity));
+            self.report.substitute(no_direction(&statement.entity), "the light is left out");
             return None;
         }
         Some((LightKind::Directional { direction, irradiance }, scale))
@@ -136,7 +139,7 @@ impl Builder<'_> {
         let illuminance = positive(params, "illuminance", &mut self.report);
         if let Some(param) = params.find("portal", Type::Point3) {
             let diagnostic = Diagnostic::error("unsupported", "portals are not supported");
-            self.report.unsupported(diagnostic.at(param.span, "this portal"), "light comes from everywhere");
+            self.report.substitute(diagnostic.at(param.span, "this portal"), "light comes from everywhere");
         }
         let Some(file) = params.one("filename", Type::String, &mut self.report) else {
             let radiance = self.emission(params, "L");
@@ -146,7 +149,10 @@ impl Builder<'_> {
         if params.has("L") {
             params.find_any("L", &[Type::Rgb, Type::Spectrum, Type::Blackbody]);
             let text = "an infinite light has either \"L\" or \"filename\"";
-            self.report.push(Diagnostic::error("bad-value", text).at(file.span, "both are stated"));
+            self.report.substitute(
+                Diagnostic::error("bad-value", text).at(file.span, "both are stated"),
+                "the map is used",
+            );
         }
         let path = self.path(&file.strings()[0]);
         let image = self.files.image(&path, file, "the light is left out", &mut self.report)?;
@@ -156,14 +162,14 @@ impl Builder<'_> {
             let diagnostic = file
                 .bad_value(text, "no equal-area octahedral map")
                 .help("convert maps by latitude and longitude with pbrt's `imgtool makeequiarea`");
-            self.report.push(diagnostic);
+            self.report.substitute(diagnostic, "the light is left out");
             return None;
         }
         if let Some(illuminance) = illuminance {
             scale *= illuminance / upward_illuminance(&image) as f32;
             if !scale.is_finite() {
                 let text = "the map has no light from above, and cannot have an illuminance";
-                self.report.push(file.bad_value(text, "dark above"));
+                self.report.substitute(file.bad_value(text, "dark above"), "the light is left out");
                 return None;
             }
         }
@@ -182,13 +188,13 @@ impl Builder<'_> {
             } else {
                 suggest(diagnostic, &entity.kind, ["diffuse"])
             };
-            self.report.push(diagnostic);
+            self.report.substitute(diagnostic, "the shapes emit nothing");
             params.accept_all();
             return None;
         }
         if let Some(file) = params.find("filename", Type::String) {
             let diagnostic = Diagnostic::error("unsupported", "images on area lights are not supported");
-            self.report.unsupported(diagnostic.at(file.span, "this image"), "the light is white");
+            self.report.substitute(diagnostic.at(file.span, "this image"), "the light is white");
         }
         let emission = AreaEmission {
             radiance: TextureInput::Constant(self.emission(params, "L")),

@@ -60,7 +60,8 @@ impl Builder<'_> {
                         Diagnostic::error("unknown-name", format!("there is no material \"{name}\""))
                             .at(*span, "never defined");
                     let known = self.named_materials.keys().map(String::as_str);
-                    self.report.push(suggest(diagnostic, name, known));
+                    self.report
+                        .substitute(suggest(diagnostic, name, known), "a grey diffuse material is used");
                 }
                 Some(self.default_material())
             }
@@ -178,15 +179,18 @@ impl Builder<'_> {
         if UNSUPPORTED.contains(&kind) {
             let text = format!("{kind} materials are not supported");
             let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this material");
-            self.report.unsupported(diagnostic, DIFFUSE);
+            self.report.substitute(diagnostic, DIFFUSE);
         } else {
             let diagnostic = Diagnostic::error("unknown-type", format!("\"{kind}\" is no type of material"))
                 .at(entity.span, "unknown material");
-            self.report.push(match OLD.iter().find(|(old, _)| *old == kind) {
-                Some((_, new)) => diagnostic
-                    .help(format!("this is a material of pbrt-v3; in pbrt-v4 it is called \"{new}\"")),
-                None => suggest(diagnostic, kind, SUPPORTED.into_iter().chain(UNSUPPORTED)),
-            });
+            self.report.substitute(
+                match OLD.iter().find(|(old, _)| *old == kind) {
+                    Some((_, new)) => diagnostic
+                        .help(format!("this is a material of pbrt-v3; in pbrt-v4 it is called \"{new}\"")),
+                    None => suggest(diagnostic, kind, SUPPORTED.into_iter().chain(UNSUPPORTED)),
+                },
+                DIFFUSE,
+            );
         }
         let reflectance = self.spectrum_input(&entity.params, "reflectance", Use::Albedo);
         entity.params.accept_all();
@@ -213,7 +217,10 @@ impl Builder<'_> {
                 params.find_any("eta", &[Type::Spectrum, Type::Rgb, Type::Texture]);
                 params.find_any("k", &[Type::Spectrum, Type::Rgb, Type::Texture]);
                 let text = "a conductor has either a \"reflectance\" or \"eta\" and \"k\"";
-                self.report.push(Diagnostic::error("bad-value", text).at(entity.span, "has both"));
+                self.report.substitute(
+                    Diagnostic::error("bad-value", text).at(entity.span, "has both"),
+                    "it is taken as copper",
+                );
                 (copper(ConductorQuantity::Eta), copper(ConductorQuantity::K))
             }
             Some(TextureInput::Constant(reflectance)) => {
@@ -222,7 +229,7 @@ impl Builder<'_> {
             Some(texture @ TextureInput::Texture(_)) => {
                 let text = "a textured \"reflectance\" of conductors is not supported";
                 let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this material");
-                self.report.unsupported(diagnostic, "it reflects the same at all angles");
+                self.report.substitute(diagnostic, "it reflects the same at all angles");
                 specular_reflectance = texture;
                 // Reflects everything.
                 (TextureInput::number(0.0), TextureInput::number(1.0))
@@ -274,7 +281,7 @@ impl Builder<'_> {
             }
             Type::Texture => {
                 let diagnostic = Diagnostic::error("unsupported", "a textured \"eta\" is not supported");
-                self.report.unsupported(diagnostic.at(param.span, "this index"), "it is 1.5 everywhere");
+                self.report.substitute(diagnostic.at(param.span, "this index"), "it is 1.5 everywhere");
                 return DEFAULT;
             }
             _ => {}
@@ -286,16 +293,19 @@ impl Builder<'_> {
             }
             Some(SpectrumDescription::Rgb([_, g, _])) => g,
             Some(_) => {
-                self.report.push(
+                self.report.substitute(
                     param.bad_value("the \"eta\" of a dielectric cannot be that of a metal", "a metal"),
+                    "it is 1.5",
                 );
                 return DEFAULT;
             }
             None => return DEFAULT,
         };
         if eta <= 0.0 {
-            self.report
-                .push(param.bad_value(format!("\"eta\" must be positive, but is {eta}"), "not positive"));
+            self.report.substitute(
+                param.bad_value(format!("\"eta\" must be positive, but is {eta}"), "not positive"),
+                "it is 1.5",
+            );
             return DEFAULT;
         }
         let text = format!("dielectrics do not disperse: the index is {eta} at all wavelengths");
@@ -314,7 +324,10 @@ impl Builder<'_> {
         let Some(file) = params.one("normalmap", Type::String, &mut self.report) else { return id };
         if id != nested {
             let text = "a material has either a \"displacement\" or a \"normalmap\"";
-            self.report.push(Diagnostic::error("bad-value", text).at(file.span, "both are stated"));
+            self.report.substitute(
+                Diagnostic::error("bad-value", text).at(file.span, "both are stated"),
+                "the displacement is used",
+            );
             return id;
         }
         let path = self.path(&file.strings()[0]);

@@ -276,10 +276,9 @@ impl Params {
         }
         if let Some(param) = self.find(name, Type::String) {
             let known: Vec<&str> = choices.iter().map(|(w, _)| *w).collect();
-            let diagnostic = param
-                .bad_value(format!("\"{word}\" is not a value of \"{name}\""), "unknown value")
-                .help(format!("known are {}", list(&known)));
-            report.push(suggest(diagnostic, word, known));
+            let diagnostic =
+                param.bad_value(format!("\"{word}\" is not a value of \"{name}\""), "unknown value");
+            report.substitute(suggest(diagnostic, word, known), "the default is used");
         }
         default
     }
@@ -298,12 +297,18 @@ impl Params {
         let per_value = kind.numbers_per_value();
         let count = param.values.len();
         if count == 0 {
-            report.push(param.bad_value(format!("\"{name}\" has no values"), "empty"));
+            report.substitute(
+                param.bad_value(format!("\"{name}\" has no values"), "empty"),
+                "the default is used",
+            );
             return None;
         }
         if !count.is_multiple_of(per_value) {
             let message = format!("\"{name}\" has {count} numbers, which is no multiple of {per_value}");
-            report.push(param.bad_value(message, format!("a {} is {per_value} numbers", kind.name())));
+            report.substitute(
+                param.bad_value(message, format!("a {} is {per_value} numbers", kind.name())),
+                "the default is used",
+            );
             return None;
         }
         Some(param)
@@ -317,7 +322,10 @@ impl Params {
             return Some(param);
         }
         let message = format!("\"{name}\" takes {}, but has {count}", values_of(want, kind));
-        report.push(param.bad_value(message, format!("expected {}", values_of(want, kind))));
+        report.substitute(
+            param.bad_value(message, format!("expected {}", values_of(want, kind))),
+            "the default is used",
+        );
         None
     }
 
@@ -327,33 +335,36 @@ impl Params {
         for param in self.own.iter().filter(|p| !p.used.get()) {
             let types: Vec<&str> =
                 asked.iter().filter(|(n, _)| *n == param.name).map(|(_, t)| t.name()).collect();
-            report.push(if types.is_empty() {
-                let message = format!("{object} has no parameter \"{}\"", param.name);
-                let diagnostic =
-                    Diagnostic::error("unknown-parameter", message).at(param.span, "not known here");
-                suggest(diagnostic, &param.name, asked.iter().map(|(n, _)| *n))
-            } else {
-                let message = format!(
-                    "parameter \"{}\" of {object} is of type {}, not {}",
-                    param.name,
-                    list(&types),
-                    param.kind.name()
-                );
-                let help = format!("write \"{} {}\"", types[0], param.name);
-                Diagnostic::error("wrong-type", message).at(param.span, "wrong type").help(help)
-            });
+            report.substitute(
+                if types.is_empty() {
+                    let message = format!("{object} has no parameter \"{}\"", param.name);
+                    let diagnostic =
+                        Diagnostic::error("unknown-parameter", message).at(param.span, "not known here");
+                    suggest(diagnostic, &param.name, asked.iter().map(|(n, _)| *n))
+                } else {
+                    let message = format!(
+                        "parameter \"{}\" of {object} is of type {}, not {}",
+                        param.name,
+                        list(&types),
+                        param.kind.name()
+                    );
+                    let help = format!("write \"{} {}\"", types[0], param.name);
+                    Diagnostic::error("wrong-type", message).at(param.span, "wrong type").help(help)
+                },
+                "it is left out",
+            );
         }
     }
 
     fn complain(&self, name: &'static str, kind: Type, message: String, label: &str, report: &mut Report) {
         if let Some(param) = self.find(name, kind) {
-            report.push(param.bad_value(message, label));
+            report.substitute(param.bad_value(message, label), "the default is used");
         }
     }
 }
 
 /// "a, b or c".
-pub(super) fn list(words: &[&str]) -> String {
+fn list(words: &[&str]) -> String {
     match words {
         [] => String::new(),
         [one] => (*one).to_owned(),

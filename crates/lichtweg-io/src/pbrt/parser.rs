@@ -41,6 +41,10 @@ pub(super) struct Parser<'a, 'd> {
     pub in_world: bool,
     file: u32,
     position: usize,
+    /// A string had no end: what is left of its directive is passed over.
+    broken: bool,
+    /// A file could not be read, so that what is missing may have been in it.
+    lost_file: bool,
     peeked: Option<Token>,
     /// Files being read, outermost first.
     open_files: Vec<PathBuf>,
@@ -62,6 +66,8 @@ impl<'a, 'd> Parser<'a, 'd> {
             in_world: false,
             file: 0,
             position: 0,
+            broken: false,
+            lost_file: false,
             peeked: None,
             open_files: Vec::new(),
             known_files: HashMap::new(),
@@ -74,7 +80,7 @@ impl<'a, 'd> Parser<'a, 'd> {
         while !self.blocks.is_empty() {
             blocks::report_open_block(&mut self);
         }
-        if !self.in_world && !self.report.is_full() {
+        if !self.in_world && !self.lost_file && !self.report.is_full() {
             self.report.push(
                 Diagnostic::error("missing-directive", "there is no WorldBegin")
                     .help("options come before WorldBegin, the scene after it"),
@@ -142,49 +148,65 @@ impl<'a, 'd> Parser<'a, 'd> {
     }
 
     fn complain_file(&mut self, code: &'static str, message: String, stated: Option<Span>) {
+        self.lost_file = true;
         let diagnostic = Diagnostic::error(code, message);
-        self.report.push(match stated {
-            Some(span) => diagnostic.at(span, "asked for here"),
-            None => diagnostic,
-        });
+        match stated {
+            Some(span) => {
+                self.report.substitute(diagnostic.at(span, "asked for here"), "the file is left out")
+            }
+            None => self.report.push(diagnostic),
+        }
     }
 
+    /// Passes over what is left of a directive.
     fn skip_to_directive(&mut self) {
-        while let Some(token) = self.next_token() {
-            if token.kind == Kind::Word && directives::is_known(self.text(token)) {
-                self.peeked = Some(token);
-                return;
-            }
-        }
+        self.skip_to(|parser, token| parser.is_directive(token));
     }
 
     /// Passes over what is left of a bad list of values.
     fn skip_to_parameter(&mut self) {
-        while let Some(token) = self.next_token() {
-            let is_directive = token.kind == Kind::Word && directives::is_known(self.text(token));
-            if token.kind == Kind::Quoted || is_directive {
-                self.peeked = Some(token);
-                return;
+        self.skip_to(|parser, token| token.kind == Kind::Quoted || parser.is_directive(token));
+    }
+
+    fn skip_to(&mut self, is_end: impl Fn(&Self, Token) -> bool) {
+        loop {
+            match self.next_token() {
+                Some(token) if is_end(self, token) => {
+                    self.peeked = Some(token);
+                    return;
+                }
+                None if !self.take_broken() => return,
+                _ => {}
             }
         }
     }
 
-    /// The next token; unterminated strings are reported and passed over.
+    fn is_directive(&self, token: Token) -> bool {
+        token.kind == Kind::Word && directives::is_known(self.text(token))
+    }
+
+    /// Whether the last `None` was a string without an end rather than the end of the file.
+    pub fn take_broken(&mut self) -> bool {
+        std::mem::take(&mut self.broken)
+    }
+
+    /// The next token; `None` at the end of the file, and at a string without an end, which is reported.
     pub fn next_token(&mut self) -> Option<Token> {
         if let Some(token) = self.peeked.take() {
             return Some(token);
         }
-        loop {
-            match token::next(&self.sources.file(self.file).text, &mut self.position) {
-                Ok(token) => return token,
-                Err(string) => {
-                    let span = self.span(string.start, string.end);
-                    let text = "a string has no closing quote on its line";
-                    self.report.push(Diagnostic::error("unterminated-string", text).at(span, "opened here"));
-                    if self.report.is_full() {
-                        return None;
-                    }
-                }
+        if self.broken {
+            return None;
+        }
+        match token::next(&self.sources.file(self.file).text, &mut self.position) {
+            Ok(token) => token,
+            Err(string) => {
+                let span = self.span(string.start, string.end);
+                let text = "a string has no closing quote on its line";
+                let diagnostic = Diagnostic::error("unterminated-string", text).at(span, "opened here");
+                self.report.substitute(diagnostic, "its directive is left out");
+                self.broken = true;
+                None
             }
         }
     }
@@ -212,6 +234,7 @@ impl<'a, 'd> Parser<'a, 'd> {
     /// Reports that `token`, or the end of the file, is not what was expected.
     pub fn unexpected(&mut self, token: Option<Token>, expected: &str) -> Reported {
         let (found, span) = match token {
+            None if self.broken => return Reported,
             Some(token) => (shortened(self.text(token)), self.span_of(token)),
             None => {
                 let end = self.sources.file(self.file).text.len();
@@ -219,8 +242,11 @@ impl<'a, 'd> Parser<'a, 'd> {
             }
         };
         let message = format!("expected {expected}, found {found}");
-        self.report.push(Diagnostic::error("syntax", message).at(span, format!("expected {expected}")));
-        self.peeked = token.filter(|t| t.kind == Kind::Word && directives::is_known(self.text(*t)));
+        self.report.substitute(
+            Diagnostic::error("syntax", message).at(span, format!("expected {expected}")),
+            "what it belongs to is left out",
+        );
+        self.peeked = token.filter(|t| self.is_directive(*t));
         Reported
     }
 
@@ -250,7 +276,7 @@ impl<'a, 'd> Parser<'a, 'd> {
                 let diagnostic = Diagnostic::error("bad-escape", message)
                     .at(self.span_of(token), "in this string")
                     .help("write a backslash as \\\\");
-                self.report.push(diagnostic);
+                self.report.substitute(diagnostic, "the backslash stays");
                 text
             }
         }
@@ -297,11 +323,15 @@ impl<'a, 'd> Parser<'a, 'd> {
             if words.next().is_some() || name.is_empty() {
                 let text = format!("\"{}\" is not a type and a name", shortened(&declaration));
                 let help = "a parameter is declared as in \"float radius\"";
-                self.report.push(Diagnostic::error("syntax", text).at(span, "no parameter").help(help));
+                self.report.substitute(
+                    Diagnostic::error("syntax", text).at(span, "no parameter").help(help),
+                    "the parameter is left out",
+                );
             } else if kind.is_none() {
                 let text = format!("\"{}\" is no parameter type", shortened(type_name));
                 let diagnostic = Diagnostic::error("unknown-type", text).at(span, "unknown type");
-                self.report.push(suggest(diagnostic, type_name, Type::names()));
+                self.report
+                    .substitute(suggest(diagnostic, type_name, Type::names()), "the parameter is left out");
             }
             let values = self.values(kind.unwrap_or(Type::String), kind.is_some() && !name.is_empty());
             if values.is_err() {
@@ -351,8 +381,9 @@ impl<'a, 'd> Parser<'a, 'd> {
             let text = shortened(self.text(token));
             let message = format!("{text} is not {}", read.expected());
             let span = self.span_of(token);
-            self.report.push(
+            self.report.substitute(
                 Diagnostic::error("bad-value", message).at(span, format!("expected {}", read.expected())),
+                "the parameter is left out",
             );
             return Err(Reported);
         }

@@ -24,8 +24,8 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Adds something that is not supported; see [`Diagnostics::unsupported`].
-    pub fn unsupported(&mut self, diagnostic: Diagnostic, substitute: &str) {
+    /// Adds something that is replaced in lenient mode, and an error otherwise; see [`Diagnostics::unsupported`].
+    pub fn substitute(&mut self, diagnostic: Diagnostic, substitute: &str) {
         if self.takes_one_more() {
             self.diagnostics.unsupported(diagnostic, substitute);
         }
@@ -52,47 +52,58 @@ impl<'a> Report<'a> {
     }
 }
 
-/// Adds "did you mean" where one of `known` is close to `name`.
+/// Adds the one of the `known` names that is close to `name`; failing that all of them, if they are few.
 pub(super) fn suggest<'k>(
     diagnostic: Diagnostic,
     name: &str,
     known: impl IntoIterator<Item = &'k str>,
 ) -> Diagnostic {
-    match nearest(name, known) {
+    /// Longer lists help nobody.
+    const MOST_LISTED: usize = 16;
+    let mut known: Vec<&str> = known.into_iter().collect();
+    known.sort_unstable();
+    known.dedup();
+    match nearest(name, &known) {
         Some(best) => diagnostic.help(format!("did you mean \"{best}\"?")),
-        None => diagnostic,
+        None if known.is_empty() || known.len() > MOST_LISTED => diagnostic,
+        None => diagnostic.help(format!("known here: {}", known.join(", "))),
     }
 }
 
-/// The name of `known` that differs least from `name`, if by at most a third of its letters.
-fn nearest<'k>(name: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+/// The first name of `known` that differs least from `name`, if by at most a third of its letters.
+fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     const LONGEST: usize = 64;
     if name.len() > LONGEST {
         return None;
     }
-    known
-        .into_iter()
-        .filter(|k| k.len() <= LONGEST)
-        .map(|k| (edit_distance(name, k), k))
-        .filter(|(distance, k)| *distance <= k.len().max(name.len()).div_ceil(3))
+    let distances = known.iter().filter(|k| k.len() <= LONGEST).map(|k| (edit_distance(name, k), *k));
+    distances
+        .filter(|(distance, k)| {
+            let length = k.len().max(name.len());
+            *distance <= length.div_ceil(3) && *distance < length
+        })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, k)| k)
 }
 
-/// Levenshtein's distance (1965), letter case aside.
+/// The number of letters to insert, delete, replace or swap with their neighbour (optimal string alignment, after
+/// Damerau 1964), letter case aside.
 fn edit_distance(a: &str, b: &str) -> usize {
-    let b = b.to_ascii_lowercase();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.bytes().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.bytes().enumerate() {
-            let substituted = diagonal + usize::from(x.to_ascii_lowercase() != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+    let (a, b) = (a.to_ascii_lowercase().into_bytes(), b.to_ascii_lowercase().into_bytes());
+    let width = b.len() + 1;
+    let mut table: Vec<usize> = (0..width * (a.len() + 1)).map(|i| i / width + i % width).collect();
+    for i in 1..=a.len() {
+        for j in 1..=b.len() {
+            let at = |i: usize, j: usize| table[i * width + j];
+            let replaced = at(i - 1, j - 1) + usize::from(a[i - 1] != b[j - 1]);
+            let mut best = replaced.min(at(i - 1, j) + 1).min(at(i, j - 1) + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                best = best.min(at(i - 2, j - 2) + 1);
+            }
+            table[i * width + j] = best;
         }
     }
-    row[b.len()]
+    table[width * (a.len() + 1) - 1]
 }
 
 #[cfg(test)]
@@ -104,14 +115,16 @@ mod tests {
         assert_eq!(edit_distance("kitten", "sitting"), 3);
         assert_eq!(edit_distance("Sphere", "sphere"), 0);
         assert_eq!(edit_distance("", "abc"), 3);
+        assert_eq!(edit_distance("rbg", "rgb"), 1);
     }
 
     #[test]
     fn suggests_only_what_is_close() {
         let known = ["sphere", "disk", "trianglemesh"];
-        assert_eq!(nearest("spheer", known), Some("sphere"));
-        assert_eq!(nearest("TriangleMesh", known), Some("trianglemesh"));
-        assert_eq!(nearest("hyperboloid", known), None);
+        assert_eq!(nearest("spheer", &known), Some("sphere"));
+        assert_eq!(nearest("TriangleMesh", &known), Some("trianglemesh"));
+        assert_eq!(nearest("hyperboloid", &known), None);
+        assert_eq!(nearest("q", &["o"]), None);
     }
 
     #[test]

@@ -37,11 +37,14 @@ fn sampler(entity: &Entity, seed: i64, report: &mut Report) -> SamplerDescriptio
         other => {
             let diagnostic = Diagnostic::error("unknown-type", format!("\"{other}\" is no type of sampler"))
                 .at(entity.span, "unknown sampler");
-            report.push(match other {
-                "lowdiscrepancy" | "02sequence" | "maxmindist" | "random" => diagnostic
-                    .help("this is a sampler of pbrt-v3; pbrt-v4 has \"zsobol\" and \"independent\""),
-                _ => suggest(diagnostic, other, SOBOL_LIKE.into_iter().chain(["independent"])),
-            });
+            report.substitute(
+                match other {
+                    "lowdiscrepancy" | "02sequence" | "maxmindist" | "random" => diagnostic
+                        .help("this is a sampler of pbrt-v3; pbrt-v4 has \"zsobol\" and \"independent\""),
+                    _ => suggest(diagnostic, other, SOBOL_LIKE.into_iter().chain(["independent"])),
+                },
+                "Sobol' points are used",
+            );
             params.accept_all();
         }
     }
@@ -82,7 +85,7 @@ fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
                 && let Some(param) = params.find("regularize", Type::Bool)
             {
                 let diagnostic = Diagnostic::error("unsupported", "regularization is not supported");
-                report.unsupported(diagnostic.at(param.span, "this setting"), "materials stay as they are");
+                report.substitute(diagnostic.at(param.span, "this setting"), "materials stay as they are");
             }
         }
         "simplepath" => {
@@ -95,18 +98,18 @@ fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
             if UNSUPPORTED.contains(&other) {
                 let text = format!("the integrator \"{other}\" is not supported");
                 let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this integrator");
-                report.unsupported(diagnostic, "the path integrator is used");
+                report.substitute(diagnostic, "the path integrator is used");
             } else {
                 let diagnostic =
                     Diagnostic::error("unknown-type", format!("\"{other}\" is no type of integrator"))
                         .at(entity.span, "unknown integrator");
                 let known = UNSUPPORTED.into_iter().chain(["path", "simplepath", "volpath"]);
-                report.push(match other {
+                report.substitute(match other {
                     "directlighting" => diagnostic.help(
                         "this is an integrator of pbrt-v3; in pbrt-v4 it is \"path\" with a maxdepth of 1",
                     ),
                     _ => suggest(diagnostic, other, known),
-                });
+                }, "the path integrator is used");
             }
             params.accept_all();
         }

@@ -3,7 +3,6 @@
 use lichtweg::scene::description::Diagnostic;
 
 use super::color_space::ColorSpace;
-use super::params::list;
 use super::parser::{Parser, Reported};
 use super::report::suggest;
 use super::token::Kind;
@@ -35,7 +34,10 @@ pub(super) fn option(parser: &mut Parser) -> Result<(), Reported> {
             Ok(seed) => parser.statements.seed = seed,
             Err(_) => {
                 let text = format!("the seed {value} is no integer");
-                parser.report.push(Diagnostic::error("bad-value", text).at(span, "this option"));
+                parser.report.substitute(
+                    Diagnostic::error("bad-value", text).at(span, "this option"),
+                    "the seed is 0",
+                );
             }
         }
         return Ok(());
@@ -45,13 +47,13 @@ pub(super) fn option(parser: &mut Parser) -> Result<(), Reported> {
         Some(_) => {
             let text = format!("the option \"{name}\" is not supported");
             let diagnostic = Diagnostic::error("unsupported", text).at(span, "this option");
-            parser.report.unsupported(diagnostic, "it is left at false");
+            parser.report.substitute(diagnostic, "it is left at false");
         }
         None => {
             let text = format!("there is no option \"{name}\"");
             let diagnostic = Diagnostic::error("unknown-name", text).at(span, "unknown option");
             let known = OPTIONS.iter().map(|(known, _)| *known).chain(["seed"]);
-            parser.report.push(suggest(diagnostic, &plain, known));
+            parser.report.substitute(suggest(diagnostic, &plain, known), "it is left out");
         }
     }
     Ok(())
@@ -64,14 +66,13 @@ pub(super) fn color_space(parser: &mut Parser) -> Result<(), Reported> {
     } else if name == "aces2065-1" {
         let text = "the colour space ACES 2065-1 is not supported";
         let diagnostic = Diagnostic::error("unsupported", text).at(span, "this colour space");
-        parser.report.unsupported(diagnostic, "its numbers are taken as linear sRGB");
+        parser.report.substitute(diagnostic, "its numbers are taken as linear sRGB");
         parser.graphics.color_space = ColorSpace::Srgb;
     } else {
         let known = ColorSpace::NAMES.map(|(name, _)| name);
         let diagnostic = Diagnostic::error("unknown-name", format!("\"{name}\" is no colour space"))
-            .at(span, "unknown colour space")
-            .help(format!("known are {}", list(&known)));
-        parser.report.push(suggest(diagnostic, &name, known));
+            .at(span, "unknown colour space");
+        parser.report.substitute(suggest(diagnostic, &name, known), "the colour space stays as it is");
     }
     Ok(())
 }
@@ -82,7 +83,7 @@ pub(super) fn medium_interface(parser: &mut Parser) -> Result<(), Reported> {
     if !inside.is_empty() || outside.is_some_and(|name| !name.is_empty()) {
         let text = "participating media are not supported";
         let diagnostic = Diagnostic::error("unsupported", text).at(span, "this medium");
-        parser.report.unsupported(diagnostic, "space is left empty");
+        parser.report.substitute(diagnostic, "space is left empty");
     }
     Ok(())
 }

@@ -48,7 +48,10 @@ pub(super) fn build_all(builder: &mut Builder, statements: Statements) {
         let Some(shapes) = objects.get(&instance.object) else {
             let text = format!("there is no object \"{}\"", instance.object);
             let diagnostic = Diagnostic::error("unknown-name", text).at(instance.span, "never defined");
-            builder.report.push(suggest(diagnostic, &instance.object, objects.keys().map(String::as_str)));
+            builder.report.substitute(
+                suggest(diagnostic, &instance.object, objects.keys().map(String::as_str)),
+                "nothing is placed",
+            );
             continue;
         };
         if builder.scene.shapes.len() + shapes.len() > MOST_SHAPES {
@@ -120,7 +123,7 @@ impl Builder<'_> {
             if alpha <= 0.0 && emits {
                 let text = "invisible area lights (\"alpha\" 0) are not supported";
                 let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this shape");
-                self.report.unsupported(diagnostic, "the light can be seen");
+                self.report.substitute(diagnostic, "the light can be seen");
             }
         }
         self.masked(material, opacity)
@@ -146,7 +149,7 @@ impl Builder<'_> {
             known if UNSUPPORTED.contains(&known) => {
                 let diagnostic =
                     Diagnostic::error("unsupported", format!("{known} shapes are not supported"));
-                self.report.unsupported(diagnostic.at(entity.span, "this shape"), "the shape is left out");
+                self.report.substitute(diagnostic.at(entity.span, "this shape"), "the shape is left out");
                 params.accept_all();
                 None
             }
@@ -154,7 +157,10 @@ impl Builder<'_> {
                 let diagnostic =
                     Diagnostic::error("unknown-type", format!("\"{other}\" is no type of shape"))
                         .at(entity.span, "unknown shape");
-                self.report.push(suggest(diagnostic, other, SUPPORTED.into_iter().chain(UNSUPPORTED)));
+                self.report.substitute(
+                    suggest(diagnostic, other, SUPPORTED.into_iter().chain(UNSUPPORTED)),
+                    "the shape is left out",
+                );
                 params.accept_all();
                 None
             }
@@ -176,7 +182,10 @@ impl Builder<'_> {
         let z1 = entity.params.float("zmax", default, &mut self.report);
         if z0 == z1 {
             let text = "nothing is left of the shape between \"zmin\" and \"zmax\"";
-            self.report.push(Diagnostic::error("bad-value", text).at(entity.span, "this shape"));
+            self.report.substitute(
+                Diagnostic::error("bad-value", text).at(entity.span, "this shape"),
+                "the shape is left out",
+            );
             return None;
         }
         Some([z0.min(z1), z0.max(z1)])
@@ -188,7 +197,10 @@ impl Builder<'_> {
         let [z_min, z_max] = self.z_range(entity, radius)?.map(|z| (z / radius).clamp(-1.0, 1.0));
         if z_min == z_max {
             let text = "\"zmin\" and \"zmax\" are on the same side of the sphere";
-            self.report.push(Diagnostic::error("bad-value", text).at(entity.span, "this shape"));
+            self.report.substitute(
+                Diagnostic::error("bad-value", text).at(entity.span, "this shape"),
+                "the shape is left out",
+            );
             return None;
         }
         let area = phi_max.to_radians() * radius * radius * (z_max - z_min);
@@ -219,15 +231,14 @@ impl Builder<'_> {
         let params = &entity.params;
         if let Some(param) = params.find("displacement", Type::Texture) {
             let diagnostic = Diagnostic::error("unsupported", "displacement of meshes is not supported");
-            self.report
-                .unsupported(diagnostic.at(param.span, "this displacement"), "the mesh stays as it is");
+            self.report.substitute(diagnostic.at(param.span, "this displacement"), "the mesh stays as it is");
         }
         params.accept("edgelength", Type::Float);
         let Some(file) = params.one("filename", Type::String, &mut self.report) else {
             if !params.has("filename") {
                 let diagnostic =
                     Diagnostic::error("missing-parameter", "a plymesh needs a \"string filename\"");
-                self.report.push(diagnostic.at(entity.span, "no file"));
+                self.report.substitute(diagnostic.at(entity.span, "no file"), "the shape is left out");
             }
             return None;
         };
@@ -244,38 +255,42 @@ impl Builder<'_> {
         }
         // Face numbers serve textures that are reported themselves.
         params.accept("faceIndices", Type::Integer);
-        let normals = params.array("N", Type::Normal, report);
-        let uvs = params.array("uv", Type::Point2, report);
         let indices = params.find("indices", Type::Integer);
         let Some(positions) = params.array("P", Type::Point3, report) else {
             if !params.has("P") {
                 let diagnostic = Diagnostic::error("missing-parameter", "a trianglemesh needs \"point3 P\"");
-                report.push(diagnostic.at(entity.span, "no vertices"));
+                report.substitute(diagnostic.at(entity.span, "no vertices"), "the shape is left out");
             }
             return None;
         };
         let count = positions.numbers().len() / 3;
-        let mut fits = true;
-        for (param, per_vertex) in normals.map(|p| (p, 3)).into_iter().chain(uvs.map(|p| (p, 2))) {
-            let found = param.numbers().len() / per_vertex;
-            if found != count {
-                let text = format!("\"{}\" has {found} values for {count} vertices", param.name);
-                report.push(param.bad_value(text, "one for each vertex is needed"));
-                fits = false;
+        let mut per_vertex = |name, kind, width| {
+            let param = params.array(name, kind, report)?;
+            let found = param.numbers().len() / width;
+            if found == count {
+                return Some(param.numbers());
             }
-        }
+            let text = format!("\"{name}\" has {found} values for {count} vertices");
+            report.substitute(param.bad_value(text, "one for each vertex is needed"), "they are left out");
+            None
+        };
+        let normals = per_vertex("N", Type::Normal, 3).unwrap_or_default();
+        let uvs = per_vertex("uv", Type::Point2, 2).unwrap_or_default();
         let triangles = match indices {
             None if count == 3 => vec![[0, 1, 2]],
             None => {
                 let diagnostic =
                     Diagnostic::error("missing-parameter", "a trianglemesh needs \"integer indices\"");
-                report.push(diagnostic.at(entity.span, "no triangles"));
+                report.substitute(diagnostic.at(entity.span, "no triangles"), "the shape is left out");
                 return None;
             }
             Some(param) => match triangles(&param.values, count) {
                 Ok(triangles) => triangles,
                 Err(text) => {
-                    report.push(param.bad_value(text, "expected three vertices a triangle"));
+                    report.substitute(
+                        param.bad_value(text, "expected three vertices a triangle"),
+                        "the shape is left out",
+                    );
                     return None;
                 }
             },
@@ -284,14 +299,12 @@ impl Builder<'_> {
             |numbers: &[f32]| numbers.chunks_exact(3).map(|v| Vec3::new(v[0], v[1], v[2])).collect();
         let mut mesh = Mesh {
             positions: vectors(positions.numbers()),
-            normals: normals.map_or_else(Vec::new, |p| vectors(p.numbers())),
-            uvs: uvs.map_or_else(Vec::new, |p| {
-                p.numbers().chunks_exact(2).map(|v| Vec2::new(v[0], v[1])).collect()
-            }),
+            normals: vectors(normals),
+            uvs: uvs.chunks_exact(2).map(|v| Vec2::new(v[0], v[1])).collect(),
             triangles,
         };
         winding::agree_with_normals(&mut mesh);
-        fits.then_some(mesh)
+        Some(mesh)
     }
 
     /// What the radiance of an area light is multiplied with.
@@ -324,7 +337,10 @@ impl Builder<'_> {
             return factor;
         }
         let text = "a light without area cannot have a power";
-        self.report.push(Diagnostic::error("bad-value", text).at(entity.span, "this shape"));
+        self.report.substitute(
+            Diagnostic::error("bad-value", text).at(entity.span, "this shape"),
+            "the power is left out",
+        );
         emission.scale
     }
 }

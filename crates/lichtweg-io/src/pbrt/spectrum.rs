@@ -66,7 +66,7 @@ impl Builder<'_> {
     fn texture_named(&mut self, param: &Param, is_float: bool) -> Option<TextureInput> {
         let [name] = param.strings() else {
             let text = format!("\"{}\" takes the name of one texture", param.name);
-            self.report.push(param.bad_value(text, "expected one name"));
+            self.report.substitute(param.bad_value(text, "expected one name"), "the default is used");
             return None;
         };
         let (table, other) = if is_float {
@@ -75,19 +75,22 @@ impl Builder<'_> {
             (&self.spectrum_textures, &self.float_textures)
         };
         if let Some(id) = table.get(name) {
-            return id.map(TextureInput::Texture);
+            return Some(TextureInput::Texture(*id));
         }
         let [kind, other_kind] = if is_float { ["float", "spectrum"] } else { ["spectrum", "float"] };
         let text = format!("there is no {kind} texture \"{name}\"");
         let diagnostic = Diagnostic::error("unknown-name", text).at(param.values_span, "not defined before");
-        self.report.push(if other.contains_key(name) {
-            diagnostic.help(format!(
-                "there is a {other_kind} texture of that name; \"{}\" needs a {kind} one",
-                param.name
-            ))
-        } else {
-            suggest(diagnostic, name, table.keys().map(String::as_str))
-        });
+        self.report.substitute(
+            if other.contains_key(name) {
+                diagnostic.help(format!(
+                    "there is a {other_kind} texture of that name; \"{}\" needs a {kind} one",
+                    param.name
+                ))
+            } else {
+                suggest(diagnostic, name, table.keys().map(String::as_str))
+            },
+            "the default is used",
+        );
         None
     }
 
@@ -106,7 +109,8 @@ impl Builder<'_> {
                 if let Some(why) = out_of_range {
                     let text = format!("\"{}\" is out of range: {why}", param.name);
                     let most = if role == Use::Albedo { "[0, 1]" } else { "0 or more" };
-                    self.report.push(param.bad_value(text, format!("expected {most}")));
+                    self.report
+                        .substitute(param.bad_value(text, format!("expected {most}")), "the default is used");
                     return None;
                 }
                 Some(SpectrumDescription::Rgb(rgb))
@@ -116,7 +120,8 @@ impl Builder<'_> {
                     return Some(SpectrumDescription::Blackbody { kelvin, scale: 1.0 });
                 }
                 let text = format!("\"{}\" is no light, and cannot be a black body", param.name);
-                self.report.push(param.bad_value(text, "expected rgb or spectrum"));
+                self.report
+                    .substitute(param.bad_value(text, "expected rgb or spectrum"), "the default is used");
                 None
             }
             (Type::Spectrum, numbers @ [_, ..]) => self.sampled(numbers, param, role),
@@ -130,7 +135,8 @@ impl Builder<'_> {
                     _ => "pairs of wavelength and value, or one name",
                 };
                 let text = format!("\"{}\" takes {expected}", param.name);
-                self.report.push(param.bad_value(text, format!("expected {expected}")));
+                self.report
+                    .substitute(param.bad_value(text, format!("expected {expected}")), "the default is used");
                 None
             }
         }
@@ -151,7 +157,10 @@ impl Builder<'_> {
         };
         if let Some(wrong) = wrong {
             let text = format!("the spectrum \"{}\" {wrong}", param.name);
-            self.report.push(param.bad_value(text, "expected pairs of wavelength and value"));
+            self.report.substitute(
+                param.bad_value(text, "expected pairs of wavelength and value"),
+                "the default is used",
+            );
             return None;
         }
         let spectrum = zero_outside(wavelengths, values);
@@ -161,7 +170,8 @@ impl Builder<'_> {
         let normalized = of_luminance_one(spectrum);
         if normalized.is_none() {
             let text = format!("the spectrum \"{}\" has no visible light", param.name);
-            self.report.push(param.bad_value(text, "nothing between 360 and 830 nm"));
+            self.report
+                .substitute(param.bad_value(text, "nothing between 360 and 830 nm"), "the default is used");
         }
         normalized
     }
@@ -186,7 +196,7 @@ impl Builder<'_> {
             return Some(spectrum);
         }
         let text = format!("{name} is not supported as \"{}\"", param.name);
-        self.report.push(param.bad_value(text, "another kind of quantity"));
+        self.report.substitute(param.bad_value(text, "another kind of quantity"), "the default is used");
         None
     }
 
@@ -195,7 +205,7 @@ impl Builder<'_> {
         match read_numbers(&path) {
             Ok(numbers) if numbers.is_empty() => {
                 let text = format!("{} has no numbers", path.display());
-                self.report.push(param.bad_value(text, "this file"));
+                self.report.substitute(param.bad_value(text, "this file"), "the default is used");
                 None
             }
             Ok(numbers) => self.sampled(&numbers, param, role),
@@ -204,7 +214,10 @@ impl Builder<'_> {
                 let diagnostic =
                     Diagnostic::error("unknown-spectrum", text).at(param.values_span, "unknown spectrum");
                 let names = named_spectra::names();
-                self.report.push(suggest(diagnostic, name, names.iter().map(String::as_str)));
+                self.report.substitute(
+                    suggest(diagnostic, name, names.iter().map(String::as_str)),
+                    "the default is used",
+                );
                 None
             }
         }

@@ -44,49 +44,53 @@ enum Encoding {
     Gamma(f32),
 }
 
+/// What stands for a texture that cannot be had.
+const HALF: TextureKind = TextureKind::Constant(SpectrumDescription::Constant(0.5));
+
 impl Builder<'_> {
-    fn texture(&mut self, statement: &TextureStatement) -> Option<TextureId> {
+    fn texture(&mut self, statement: &TextureStatement) -> TextureId {
         const UNSUPPORTED: [&str; 8] =
             ["bilerp", "directionmix", "dots", "fbm", "marble", "ptex", "windy", "wrinkled"];
         const SUPPORTED: [&str; 5] = ["checkerboard", "constant", "imagemap", "mix", "scale"];
         let (entity, is_float) = (&statement.entity, statement.is_float);
         let params = &entity.params;
         let kind = match entity.kind.as_str() {
-            "constant" => self.operand(params, "value", is_float, 1.0).map(|input| match input {
+            "constant" => match self.operand(params, "value", is_float, 1.0) {
                 TextureInput::Constant(value) => TextureKind::Constant(value),
                 texture => TextureKind::Scale { texture, by: TextureInput::number(1.0) },
-            }),
-            "scale" => {
-                let texture = self.operand(params, "tex", is_float, 1.0);
-                let by = self.operand(params, "scale", true, 1.0);
-                texture.zip(by).map(|(texture, by)| TextureKind::Scale { texture, by })
-            }
-            "mix" => {
-                let a = self.operand(params, "tex1", is_float, 0.0);
-                let b = self.operand(params, "tex2", is_float, 1.0);
-                let amount = self.operand(params, "amount", true, 0.5);
-                a.zip(b).zip(amount).map(|((a, b), amount)| TextureKind::Mix { a, b, amount })
-            }
+            },
+            "scale" => TextureKind::Scale {
+                texture: self.operand(params, "tex", is_float, 1.0),
+                by: self.operand(params, "scale", true, 1.0),
+            },
+            "mix" => TextureKind::Mix {
+                a: self.operand(params, "tex1", is_float, 0.0),
+                b: self.operand(params, "tex2", is_float, 1.0),
+                amount: self.operand(params, "amount", true, 0.5),
+            },
             "checkerboard" => self.checkerboard(statement),
             "imagemap" => self.image_map(statement),
             known if UNSUPPORTED.contains(&known) => {
                 let text = format!("{known} textures are not supported");
                 let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this texture");
-                self.report.unsupported(diagnostic, "it is 0.5 everywhere");
+                self.report.substitute(diagnostic, "it is 0.5 everywhere");
                 params.accept_all();
-                Some(TextureKind::Constant(SpectrumDescription::Constant(0.5)))
+                HALF
             }
             other => {
                 let diagnostic =
                     Diagnostic::error("unknown-type", format!("\"{other}\" is no type of texture"))
                         .at(entity.span, "unknown texture");
-                self.report.push(suggest(diagnostic, other, SUPPORTED.into_iter().chain(UNSUPPORTED)));
+                self.report.substitute(
+                    suggest(diagnostic, other, SUPPORTED.into_iter().chain(UNSUPPORTED)),
+                    "the texture is 0.5 everywhere",
+                );
                 params.accept_all();
-                None
+                HALF
             }
         };
         params.report_unused(&entity.title(), &mut self.report);
-        kind.map(|kind| self.add_texture(Some(&statement.name), entity.span, kind))
+        self.add_texture(Some(&statement.name), entity.span, kind)
     }
 
     /// Adds a texture to the scene.
@@ -94,39 +98,29 @@ impl Builder<'_> {
         self.scene.add_texture(TextureDescription { name: name.map(str::to_owned), span, kind })
     }
 
-    /// An operand of another texture. `None` if it is stated and wrong, which is reported.
-    fn operand(
-        &mut self,
-        params: &Params,
-        name: &'static str,
-        is_float: bool,
-        default: f32,
-    ) -> Option<TextureInput> {
+    /// An operand of another texture.
+    fn operand(&mut self, params: &Params, name: &'static str, is_float: bool, default: f32) -> TextureInput {
         let stated = if is_float {
             self.float_input(params, name)
         } else {
             self.spectrum_input(params, name, Use::Property)
         };
-        if stated.is_none() && params.has(name) {
-            stated
-        } else {
-            Some(stated.unwrap_or(TextureInput::number(default)))
-        }
+        stated.unwrap_or(TextureInput::number(default))
     }
 
-    fn checkerboard(&mut self, statement: &TextureStatement) -> Option<TextureKind> {
+    fn checkerboard(&mut self, statement: &TextureStatement) -> TextureKind {
         let (entity, is_float) = (&statement.entity, statement.is_float);
         let params = &entity.params;
         if params.integer("dimension", 2, 2, &mut self.report) != 2 {
             let text = "checkerboards in space are not supported";
             let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this texture");
-            self.report.unsupported(diagnostic, "it is taken as a checkerboard in u and v");
+            self.report.substitute(diagnostic, "it is taken as a checkerboard in u and v");
         }
         let even = self.operand(params, "tex1", is_float, 1.0);
         let odd = self.operand(params, "tex2", is_float, 0.0);
         let mut to_uv = self.uv_mapping(statement);
         to_uv.rows.iter_mut().flatten().for_each(|v| *v *= 0.5);
-        even.zip(odd).map(|(even, odd)| TextureKind::Checkerboard { even, odd, to_uv })
+        TextureKind::Checkerboard { even, odd, to_uv }
     }
 
     /// The mapping from surface to texture coordinates.
@@ -141,7 +135,7 @@ impl Builder<'_> {
                 suggest(diagnostic, &mapping, ["uv", "cylindrical", "planar", "spherical"])
             };
             let diagnostic = diagnostic.at(statement.entity.span, "this texture");
-            self.report.unsupported(diagnostic, "the shape's own u and v are used");
+            self.report.substitute(diagnostic, "the shape's own u and v are used");
             params.accept("v1", Type::Vector3);
             params.accept("v2", Type::Vector3);
         }
@@ -155,7 +149,7 @@ impl Builder<'_> {
         }
     }
 
-    fn image_map(&mut self, statement: &TextureStatement) -> Option<TextureKind> {
+    fn image_map(&mut self, statement: &TextureStatement) -> TextureKind {
         let params = &statement.entity.params;
         let to_uv = self.uv_mapping(statement);
         // Anisotropic lookups stand for themselves.
@@ -177,14 +171,17 @@ impl Builder<'_> {
             if !params.has("filename") {
                 let diagnostic =
                     Diagnostic::error("missing-parameter", "an imagemap needs a \"string filename\"");
-                self.report.push(diagnostic.at(statement.entity.span, "no file"));
+                self.report.substitute(
+                    diagnostic.at(statement.entity.span, "no file"),
+                    "the texture is 0.5 everywhere",
+                );
             }
-            return None;
+            return HALF;
         };
         let path = self.path(&file.strings()[0]);
         let substitute = "the texture is 0.5 everywhere";
         let Some(mut image) = self.files.image(&path, file, substitute, &mut self.report) else {
-            return Some(TextureKind::Constant(SpectrumDescription::Constant(0.5)));
+            return HALF;
         };
         let is_png = has_extension(&path, "png");
         // Of other files pbrt drops the alpha channel.
@@ -204,15 +201,15 @@ impl Builder<'_> {
         };
         let bitmap = |scale, invert| TextureKind::Bitmap { image, to_uv, wrap, filter, raw, scale, invert };
         if !invert || scale == 1.0 {
-            return Some(bitmap(scale, invert));
+            return bitmap(scale, invert);
         }
         // pbrt scales before it inverts: 1 - s x = (1 - s) 1 + s (1 - x).
         let inverted = self.add_texture(None, statement.entity.span, bitmap(1.0, true));
-        Some(TextureKind::Mix {
+        TextureKind::Mix {
             a: TextureInput::number(1.0),
             b: TextureInput::Texture(inverted),
             amount: TextureInput::number(scale),
-        })
+        }
     }
 
     fn encoding(&mut self, params: &Params) -> Option<Encoding> {
@@ -228,7 +225,10 @@ impl Builder<'_> {
         }
         if let Some(param) = params.find("encoding", Type::String) {
             let text = format!("\"{word}\" is no encoding");
-            self.report.push(param.bad_value(text, "expected \"sRGB\", \"linear\" or \"gamma <exponent>\""));
+            self.report.substitute(
+                param.bad_value(text, "expected \"sRGB\", \"linear\" or \"gamma <exponent>\""),
+                "the usual encoding of the file is assumed",
+            );
         }
         None
     }

@@ -43,7 +43,9 @@ pub(super) fn read(parser: &mut Parser, word: &str, directive: Span) -> Result<A
                 _ => "the map is singular",
             };
             let whole = Span { start: directive.start, ..span };
-            parser.report.push(Diagnostic::error("bad-transform", text).at(whole, "left out"));
+            parser
+                .report
+                .substitute(Diagnostic::error("bad-transform", text).at(whole, "left out"), "it is left out");
             Ok(Affine::IDENTITY)
         }
     }

@@ -3,8 +3,8 @@
 use std::ffi::{c_char, c_void};
 use std::ptr::{null, null_mut};
 
-use lichtweg_ray::Ray;
 use libloading::Library;
+use lichtweg_ray::Ray;
 
 use super::scenes::Scene;
 
@@ -82,8 +82,7 @@ impl Embree {
         unsafe {
             let new_device: extern "C" fn(*const c_char) -> Handle = symbol(library, "rtcNewDevice");
             let new_scene: extern "C" fn(Handle) -> Handle = symbol(library, "rtcNewScene");
-            let new_geometry: extern "C" fn(Handle, i32) -> Handle =
-                symbol(library, "rtcNewGeometry");
+            let new_geometry: extern "C" fn(Handle, i32) -> Handle = symbol(library, "rtcNewGeometry");
             #[allow(clippy::type_complexity)]
             let set_buffer: extern "C" fn(
                 Handle,
@@ -97,8 +96,7 @@ impl Embree {
             ) = symbol(library, "rtcSetSharedGeometryBuffer");
             let commit_geometry: extern "C" fn(Handle) = symbol(library, "rtcCommitGeometry");
             let attach: extern "C" fn(Handle, Handle) -> u32 = symbol(library, "rtcAttachGeometry");
-            let set_quality: extern "C" fn(Handle, i32) =
-                symbol(library, "rtcSetSceneBuildQuality");
+            let set_quality: extern "C" fn(Handle, i32) = symbol(library, "rtcSetSceneBuildQuality");
             let set_flags: extern "C" fn(Handle, i32) = symbol(library, "rtcSetSceneFlags");
             let commit: extern "C" fn(Handle) = symbol(library, "rtcCommitScene");
 

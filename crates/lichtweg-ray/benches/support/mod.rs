@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod embree;
+pub mod escape;
 pub mod random;
 pub mod rays;
 pub mod scenes;

@@ -38,8 +38,7 @@ pub fn sets(scene: &Scene, accel: &Accel, side: u32) -> Vec<Rays> {
     let (mut bounce, mut shadow, mut around) = (Vec::new(), Vec::new(), Vec::new());
     for ray in &primary {
         let Some(hit) = accel.closest(ray) else { continue };
-        let [a, b, c] =
-            scene.indices[hit.primitive as usize].map(|i| scene.positions[i as usize]);
+        let [a, b, c] = scene.indices[hit.primitive as usize].map(|i| scene.positions[i as usize]);
         let mut n = (b - a).cross(c - a).normalized();
         if n.dot(ray.direction) > 0.0 {
             n = -n;

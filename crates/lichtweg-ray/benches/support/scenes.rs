@@ -128,8 +128,8 @@ pub fn hair_ball(hairs: u32, segments: u32) -> Scene {
 pub fn street(side: u32) -> Scene {
     let mut s = Scene::empty(
         "street",
-        Vec3::new(9.0, 1.7, 3.0),
-        Vec3::new(40.0, 4.0, 37.0),
+        Vec3::new(-6.0, 30.0, -20.0),
+        Vec3::new(120.0, 0.0, 160.0),
         Vec3::new(3000.0, 5000.0, 1000.0),
     );
     let mut random = Random(11);
@@ -157,6 +157,31 @@ pub fn street(side: u32) -> Scene {
             }
             let lamp = corner - Vec3::new(1.0, 0.0, 1.0);
             s.cuboid(lamp, Vec3::X * 0.15, Vec3::Y * 5.0, Vec3::Z * 0.15);
+        }
+    }
+    s
+}
+
+/// A closed cube [-1, 1]^3 of `n` by `n` squares a side, all edges on a grid; sides share no vertices.
+pub fn cube(n: u32) -> Scene {
+    let mut s = Scene::empty("cube", Vec3::new(3.0, 2.0, 4.0), Vec3::ZERO, Vec3::new(0.0, 5.0, 3.0));
+    let at = |i: u32| 2.0 * i as f32 / n as f32 - 1.0;
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let point = |i: u32, j: u32| {
+                let mut p = Vec3::ZERO;
+                p[axis] = side;
+                p[(axis + 1) % 3] = at(i);
+                p[(axis + 2) % 3] = at(j);
+                p
+            };
+            for i in 0..n {
+                for j in 0..n {
+                    let base = s.positions.len() as u32;
+                    s.positions.extend([point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
+                    s.indices.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+                }
+            }
         }
     }
     s

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::primitive::Census;
 use super::tree::{Built, Part, TreeBuilder};
 use crate::accel::BuildError;
-use crate::bvh::{Block, Bvh, ChildRef, Node, TriangleId};
+use crate::bvh::{Block, Bvh, ChildRef, Node, Numbering};
 use crate::geometry::Geometry;
 use crate::memory::Pages;
 use crate::simd::WIDTH;
@@ -20,7 +20,8 @@ pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh,
     let root = if primitives.is_empty() {
         ChildRef::NOTHING
     } else {
-        let builder = TreeBuilder { geometries, mixed: !census.quadrics.is_empty() };
+        let builder =
+            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.quadrics.is_empty() };
         let built = builder.build(primitives);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)
@@ -30,7 +31,8 @@ pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh,
     }
     let b = census.bounds;
     let reach = if b.is_empty() { 0.0 } else { b.min.abs().max(b.max.abs()).max_element() };
-    Ok(plan.assemble(root, reach))
+    let numbering = std::mem::take(&mut census.numbering);
+    Ok(plan.assemble(root, numbering, reach))
 }
 
 fn upper_nodes(built: &Built) -> usize {
@@ -86,19 +88,18 @@ impl Layout {
         }
     }
 
-    fn assemble(mut self, root: ChildRef, reach: f32) -> Bvh {
+    fn assemble(mut self, root: ChildRef, numbering: Numbering, reach: f32) -> Bvh {
         self.parts.par_iter_mut().for_each(|(at, part)| {
             for child in part.nodes.iter_mut().flat_map(|n| &mut n.children) {
                 *child = child.shifted(at.nodes, at.blocks, at.others);
             }
         });
-        let empty_ids = [[TriangleId::NONE; WIDTH]];
         Bvh {
             root,
             nodes: joined(&self.upper, &self.parts, |p| &p.nodes),
             blocks: joined(&[Block::EMPTY], &self.parts, |p| &p.blocks),
-            ids: joined(&empty_ids, &self.parts, |p| &p.ids),
             others: joined(&[], &self.parts, |p| &p.others),
+            numbering,
             reach,
         }
     }

@@ -159,14 +159,14 @@ fn sweep(histogram: &Histogram, grid: Grid, block: u32) -> Option<Split> {
     let mut best: Option<Split> = None;
     let mut boxes = [QuadBox::empty(); 3];
     let mut counts = [0; 3];
-    for bin in 1..grid.bins {
+    for (bin, right) in right_cost.iter().enumerate().take(grid.bins).skip(1) {
         for axis in 0..3 {
             boxes[axis] = boxes[axis].union(histogram.bounds[bin - 1][axis]);
             counts[axis] += histogram.counts[bin - 1][axis];
             if counts[axis] == 0 || counts[axis] == total {
                 continue;
             }
-            let cost = boxes[axis].half_area() * blocks(counts[axis], block) + right_cost[bin][axis];
+            let cost = boxes[axis].half_area() * blocks(counts[axis], block) + right[axis];
             if best.is_none_or(|b| cost < b.cost) {
                 best = Some(Split { grid, axis, bin, cost });
             }

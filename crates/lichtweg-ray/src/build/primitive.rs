@@ -6,13 +6,14 @@
 use rayon::prelude::*;
 
 use crate::accel::BuildError;
+use crate::bvh::Numbering;
 use crate::geometry::{Geometry, TriangleMesh};
 use crate::math::{Bounds3, Vec3};
 use crate::quadric::PlacedQuadric;
 use crate::simd::{Quad, QuadBox};
 
-/// Largest absolute coordinate that cannot overflow in a query: 2^60.
-pub(crate) const MAX_COORDINATE: f32 = 1.152_921_5e18;
+/// Largest absolute coordinate that cannot overflow in a query: 2^40.
+pub(crate) const MAX_COORDINATE: f32 = 1.099_511_6e12;
 /// Triangles handled by one task; fixed, so that the order of primitives is.
 const CHUNK: usize = 1 << 14;
 
@@ -54,6 +55,7 @@ impl Primitive {
 pub(crate) struct Census {
     pub primitives: Vec<Primitive>,
     pub quadrics: Vec<PlacedQuadric>,
+    pub numbering: Numbering,
     /// Exact bounds of what can be hit.
     pub bounds: Bounds3,
     pub triangles: usize,
@@ -66,6 +68,7 @@ impl Default for Census {
         Self {
             primitives: Vec::new(),
             quadrics: Vec::new(),
+            numbering: Numbering::default(),
             bounds: Bounds3::EMPTY,
             triangles: 0,
             dropped_degenerate: 0,
@@ -85,10 +88,10 @@ struct Chunk {
 /// Checks and lists the primitives in order of geometry, then index. A quadric's primitive index is its
 /// place in the list of quadrics.
 pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
+    let counts = || geometries.iter().map(Geometry::primitives);
+    let numbering = Numbering::new(counts())
+        .ok_or_else(|| BuildError::TooLarge { primitives: counts().fold(0, usize::saturating_add) })?;
     let mut all = Census::default();
-    if u32::try_from(geometries.len()).is_err() {
-        return Err(BuildError::TooLarge { primitives: geometries.len() });
-    }
     for (geometry, g) in (0..).zip(geometries) {
         match g {
             Geometry::Triangles(mesh) => add_triangles(&mut all, geometry, mesh)?,
@@ -97,10 +100,9 @@ pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
                     return Err(BuildError::InvalidQuadric { geometry, reason });
                 }
                 let bounds = quadric.bounds();
-                let placed = quadric.place(geometry);
+                let placed = quadric.place(numbering.number(geometry, 0));
                 let in_range = |p: Vec3| p.abs().max_element() <= MAX_COORDINATE;
-                let Some(placed) = placed.filter(|_| in_range(bounds.min) && in_range(bounds.max))
-                else {
+                let Some(placed) = placed.filter(|_| in_range(bounds.min) && in_range(bounds.max)) else {
                     return Err(BuildError::SingularTransform { geometry });
                 };
                 all.bounds = all.bounds.union(bounds);
@@ -110,13 +112,11 @@ pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
             }
         }
     }
+    all.numbering = numbering;
     Ok(all)
 }
 
 fn add_triangles(all: &mut Census, geometry: u32, mesh: &TriangleMesh) -> Result<(), BuildError> {
-    if u32::try_from(mesh.indices.len()).is_err() {
-        return Err(BuildError::TooLarge { primitives: mesh.indices.len() });
-    }
     let chunks: Vec<Chunk> = mesh
         .indices
         .par_chunks(CHUNK)
@@ -134,12 +134,7 @@ fn add_triangles(all: &mut Census, geometry: u32, mesh: &TriangleMesh) -> Result
     Ok(())
 }
 
-fn list(
-    geometry: u32,
-    mesh: &TriangleMesh,
-    first: u32,
-    indices: &[[u32; 3]],
-) -> Result<Chunk, BuildError> {
+fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) -> Result<Chunk, BuildError> {
     let mut chunk = Chunk {
         primitives: Vec::with_capacity(indices.len()),
         bounds: Bounds3::EMPTY,

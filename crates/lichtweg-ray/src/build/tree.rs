@@ -7,13 +7,13 @@ use rayon::prelude::*;
 
 use super::binning::{Extent, Split, blocks, find_split, partition};
 use super::primitive::Primitive;
-use crate::bvh::{Block, ChildRef, MAX_DEPTH, Node, TriangleId};
+use crate::bvh::{Block, ChildRef, MAX_DEPTH, Node, Numbering};
 use crate::geometry::Geometry;
 use crate::math::Bounds3;
 use crate::simd::WIDTH;
 
 /// Cost of visiting a node, in units of testing a block.
-const NODE_COST: f32 = 1.0;
+const NODE_COST: f32 = 0.5;
 /// Ranges above this are built as several tasks.
 const TASK: usize = 1 << 14;
 /// Beyond this depth ranges are halved by count, which bounds the depth.
@@ -24,7 +24,6 @@ const HALVING_DEPTH: usize = MAX_DEPTH - 20;
 pub(crate) struct Part {
     pub nodes: Vec<Node>,
     pub blocks: Vec<Block>,
-    pub ids: Vec<[TriangleId; WIDTH]>,
     pub others: Vec<u32>,
 }
 
@@ -44,6 +43,7 @@ struct Range<'a> {
 /// What is the same for the whole build.
 pub(crate) struct TreeBuilder<'a> {
     pub geometries: &'a [Geometry],
+    pub numbering: &'a Numbering,
     /// Whether there are primitives other than triangles.
     pub mixed: bool,
 }
@@ -91,11 +91,7 @@ impl TreeBuilder<'_> {
         children.push(range);
         while children.len() < WIDTH {
             let weight = |r: &Range| {
-                if depth >= HALVING_DEPTH {
-                    r.primitives.len() as f32
-                } else {
-                    r.extent.bounds.half_area()
-                }
+                if depth >= HALVING_DEPTH { r.primitives.len() as f32 } else { r.extent.bounds.half_area() }
             };
             let candidate = (0..children.len())
                 .filter(|&i| !children[i].settled)
@@ -110,6 +106,8 @@ impl TreeBuilder<'_> {
             let (left, right) = self.divide(range, plan);
             children.extend([left, right]);
         }
+        let area = |r: &Range| r.extent.bounds.half_area();
+        children.sort_by(|a, b| area(b).total_cmp(&area(a)));
         children
     }
 
@@ -182,16 +180,14 @@ impl TreeBuilder<'_> {
         let first = part.blocks.len();
         for group in primitives.chunks(WIDTH) {
             let mut block = Block::EMPTY;
-            let mut ids = [TriangleId::NONE; WIDTH];
             for (lane, p) in group.iter().enumerate() {
                 let (geometry, primitive) = (p.geometry(), p.primitive());
                 if let Geometry::Triangles(mesh) = &self.geometries[geometry as usize] {
-                    block.set(lane, mesh.corners(primitive));
+                    let id = self.numbering.number(geometry, primitive);
+                    block.set(lane, mesh.corners(primitive), id);
                 }
-                ids[lane] = TriangleId { geometry, primitive };
             }
             part.blocks.push(block);
-            part.ids.push(ids);
         }
         ChildRef::triangles(first, primitives.len().div_ceil(WIDTH))
     }

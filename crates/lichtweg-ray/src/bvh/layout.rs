@@ -109,22 +109,26 @@ impl Node {
     }
 }
 
-/// Corners of eight triangles: `corners[vertex][axis][lane]`; unused lanes hold NaN.
+/// Eight triangles: five cache lines.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(crate) struct Block {
+    /// `corners[vertex][axis][lane]`; unused lanes hold NaN.
     pub corners: [[[f32; WIDTH]; 3]; 3],
+    /// Running numbers (see [`Numbering`]), ascending.
+    pub ids: [u32; WIDTH],
 }
 
 impl Block {
-    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
+    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], ids: [u32::MAX; WIDTH] };
 
-    pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3]) {
+    pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3], id: u32) {
         for (to, from) in self.corners.iter_mut().zip(corners) {
             for axis in 0..3 {
                 to[axis][lane] = from[axis];
             }
         }
+        self.ids[lane] = id;
     }
 
     pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
@@ -132,16 +136,36 @@ impl Block {
     }
 }
 
-/// Which triangle a lane of a block holds; ordered by geometry, then primitive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct TriangleId {
-    pub geometry: u32,
-    pub primitive: u32,
+/// Numbers all primitives of all geometries in one row: one integer names, and orders, them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Numbering {
+    /// Number of each geometry's first primitive.
+    starts: Vec<u32>,
 }
 
-impl TriangleId {
-    /// What an unused lane holds.
-    pub(crate) const NONE: Self = Self { geometry: u32::MAX, primitive: u32::MAX };
+impl Numbering {
+    /// From the numbers of primitives of the geometries; `None` where 32 bits do not suffice.
+    pub(crate) fn new(counts: impl Iterator<Item = usize>) -> Option<Self> {
+        let mut next = 0_usize;
+        let mut starts = Vec::new();
+        for count in counts {
+            starts.push(u32::try_from(next).ok()?);
+            next = next.checked_add(count)?;
+        }
+        (next < u32::MAX as usize).then_some(Self { starts })
+    }
+
+    #[inline]
+    pub(crate) fn number(&self, geometry: u32, primitive: u32) -> u32 {
+        self.starts[geometry as usize] + primitive
+    }
+
+    /// Geometry and primitive of a number.
+    #[inline]
+    pub(crate) fn locate(&self, number: u32) -> (u32, u32) {
+        let geometry = self.starts.partition_point(|&s| s <= number) - 1;
+        (geometry as u32, number - self.starts[geometry])
+    }
 }
 
 /// The hierarchy.
@@ -151,10 +175,9 @@ pub(crate) struct Bvh {
     pub nodes: Pages<Node>,
     /// Block 0 is empty.
     pub blocks: Pages<Block>,
-    /// One for each lane of each block, apart from the corners because only hits need them.
-    pub ids: Pages<[TriangleId; WIDTH]>,
     /// Indices into the list of other primitives, in leaf order.
     pub others: Pages<u32>,
+    pub numbering: Numbering,
     /// Largest absolute coordinate of the bounds.
     pub reach: f32,
 }
@@ -162,9 +185,6 @@ pub(crate) struct Bvh {
 impl Bvh {
     /// Memory of all arrays.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes)
-            + size_of_val(&*self.blocks)
-            + size_of_val(&*self.ids)
-            + size_of_val(&*self.others)
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.others)
     }
 }

@@ -5,6 +5,6 @@ mod query;
 mod slab;
 mod traverse;
 
-pub(crate) use layout::{Block, Bvh, ChildRef, Node, TriangleId};
+pub(crate) use layout::{Block, Bvh, ChildRef, Node, Numbering};
 pub(crate) use query::{closest, occluded};
 pub(crate) use traverse::{MAX_DEPTH, Others};

@@ -14,8 +14,80 @@
 //! A direction component below 2^-60 of the largest is replaced by that; the origin's margin takes in
 //! how far this can bend the ray within the scene.
 
+use crate::build::MAX_COORDINATE;
 use crate::ray::Ray;
-use crate::simd::Lanes;
+use crate::simd::{Aligned8, Lanes, WIDTH};
+use crate::triangle::{Shear, shear_axes};
+
+/// A ray made ready for boxes and triangles, or `None` where it can hit nothing: not finite, beyond the
+/// largest coordinate, without direction or range. `reach` is the largest absolute coordinate of the scene.
+#[inline(always)]
+pub(crate) fn prepare<V: Lanes>(ray: &Ray, reach: f32) -> Option<(Slab<V>, Shear, f32)> {
+    let tnear = if ray.tnear > 0.0 { ray.tnear } else { 0.0 };
+    let tfar = if ray.tfar < f32::MAX { ray.tfar } else { f32::MAX };
+    // Lanes 0 to 2: origin, 3 to 5: direction.
+    // SAFETY: a ray is nine consecutive `f32`.
+    let all = unsafe { V::load_unaligned((&raw const *ray).cast()) }.abs();
+    let (c, m) = (MAX_COORDINATE, f32::MAX);
+    let limits = V::from_array(Aligned8([c, c, c, m, m, m, m, m]));
+    let finite = V::bits(all.le(limits)) & 0x3f == 0x3f;
+    let size = ray.direction.abs();
+    let steepest = size.max_element();
+    if !(finite && tnear < tfar && ray.tnear <= ray.tfar && steepest >= f32::MIN_POSITIVE) {
+        return None;
+    }
+    let axes = shear_axes(size);
+    let d = ray.direction.to_array();
+    let o = ray.origin.to_array();
+    let [x, y, z] = axes;
+
+    let zero = V::splat(0.0);
+    let shallowest = V::splat(steepest * TINY);
+    let direction = V::from_array(Aligned8([d[0], d[1], d[2], d[z], d[z], d[z], 1.0, 1.0]));
+    let divisor = direction.abs().max(shallowest).copysign(direction);
+    let dividend = V::from_array(Aligned8([1.0, 1.0, 1.0, d[x], d[y], 1.0, 1.0, 1.0]));
+    let quotient = dividend.div(divisor);
+
+    let origin = V::from_array(Aligned8([o[0], o[1], o[2], 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let bend = V::splat((reach + ray.origin.abs().max_element()) * (4.0 * TINY));
+    let margin = origin.abs().mul_add(V::splat(2.0_f32.powi(-22)), bend);
+    let near_scale = quotient.mul(V::splat(1.0 - 2.0_f32.powi(-21)));
+    let far_scale = quotient.mul(V::splat(1.0 + 2.0_f32.powi(-21)));
+    let near_shift = origin.mul_add(near_scale, margin.mul(near_scale).abs()).to_array().0;
+    let far_shift = origin.mul_sub(far_scale, margin.mul(far_scale).abs()).to_array().0;
+    let negative = V::bits(divisor.lt(zero)) as usize;
+    let (near_scale, far_scale) = (near_scale.to_array().0, far_scale.to_array().0);
+    let slab = Slab {
+        near_row: [
+            (negative & 1) * ROW,
+            2 * ROW + (negative >> 1 & 1) * ROW,
+            4 * ROW + (negative >> 2 & 1) * ROW,
+        ],
+        near_scale: first3(&near_scale),
+        near_shift: first3(&near_shift),
+        far_scale: first3(&far_scale),
+        far_shift: first3(&far_shift),
+        tnear: V::splat(tnear),
+    };
+    let quotient = quotient.to_array().0;
+    let shear = Shear {
+        axes,
+        origin: [o[x], o[y], o[z]],
+        scale: [quotient[3], quotient[4], quotient[5]],
+        tnear,
+        pace: d[z],
+    };
+    Some((slab, shear, tfar))
+}
+
+/// The first three values, each in all lanes.
+#[inline(always)]
+fn first3<V: Lanes>(a: &[f32; WIDTH]) -> [V; 3] {
+    [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])]
+}
+
+/// Ratio of direction components below which one is replaced: 2^-60.
+const TINY: f32 = 8.673_617e-19;
 
 /// Byte distance of a minimum plane row and its maximum row in a node.
 const ROW: usize = 32;
@@ -33,38 +105,6 @@ pub(crate) struct Slab<V> {
 }
 
 impl<V: Lanes> Slab<V> {
-    /// `reach` is the largest absolute coordinate of the scene.
-    #[inline(always)]
-    pub(crate) fn new(ray: &Ray, tnear: f32, reach: f32) -> Self {
-        let d = ray.direction.to_array();
-        let o = ray.origin.to_array();
-        let steepest = ray.direction.abs().max_element();
-        let shallowest = steepest * 2.0_f32.powi(-60);
-        let bend = (reach + ray.origin.abs().max_element()) * 2.0_f32.powi(-58);
-        let zero = V::splat(0.0);
-        let mut slab = Self {
-            near_row: [0; 3],
-            near_scale: [zero; 3],
-            near_shift: [zero; 3],
-            far_scale: [zero; 3],
-            far_shift: [zero; 3],
-            tnear: V::splat(tnear),
-        };
-        for i in 0..3 {
-            let di = if d[i].abs() < shallowest { shallowest.copysign(d[i]) } else { d[i] };
-            let inverse = 1.0 / di;
-            let margin = o[i].abs() * 2.0_f32.powi(-22) + bend;
-            let near = inverse * (1.0 - 2.0_f32.powi(-21));
-            let far = inverse * (1.0 + 2.0_f32.powi(-21));
-            slab.near_row[i] = 2 * ROW * i + if di < 0.0 { ROW } else { 0 };
-            slab.near_scale[i] = V::splat(near);
-            slab.near_shift[i] = V::splat(o[i] * near + (margin * near).abs());
-            slab.far_scale[i] = V::splat(far);
-            slab.far_shift[i] = V::splat(o[i] * far - (margin * far).abs());
-        }
-        slab
-    }
-
     /// Which of eight boxes the ray meets before `tfar`, and where it enters them.
     ///
     /// A NaN (overflow) drops its plane's constraint, which is conservative.

@@ -2,22 +2,26 @@
 
 use std::mem::MaybeUninit;
 
-use super::layout::{Bvh, ChildRef, Node, TriangleId};
-use super::slab::Slab;
+use super::layout::{Block, Bvh, ChildRef, Node};
+use super::slab::{Slab, prepare};
 use crate::quadric::PlacedQuadric;
 use crate::ray::{Hit, Ray};
 use crate::simd::{Lanes, WIDTH};
-use crate::triangle::{BlockHits, Shear, WideShear};
+use crate::triangle::{BlockHits, TriangleHit, WideShear};
 
 /// Levels of the tree, at most; the builder sees to it.
 pub(crate) const MAX_DEPTH: usize = 72;
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1 + WIDTH;
 
 /// Children put off until later, as (entry t, child) packed so that integers order like distances.
+///
+/// The entries live elsewhere, so that the top can live in a register.
 struct Stack {
-    entries: [MaybeUninit<u64>; STACK],
-    len: usize,
+    top: *mut u64,
+    base: *mut u64,
 }
+
+type Entries = [MaybeUninit<u64>; STACK];
 
 #[inline(always)]
 fn pack(enter: f32, child: ChildRef) -> u64 {
@@ -26,25 +30,24 @@ fn pack(enter: f32, child: ChildRef) -> u64 {
 
 impl Stack {
     #[inline(always)]
-    fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 }
-    }
-
-    #[inline(always)]
     fn push(&mut self, entry: u64) {
-        debug_assert!(self.len < STACK);
         // SAFETY: the builder bounds the depth; each level leaves at most WIDTH - 1 entries behind.
-        unsafe { self.entries.get_unchecked_mut(self.len).write(entry) };
-        self.len += 1;
+        unsafe {
+            debug_assert!(self.top < self.base.add(STACK));
+            self.top.write(entry);
+            self.top = self.top.add(1);
+        }
     }
 
     /// The top entry that begins at `tfar` or before.
     #[inline(always)]
     fn pop(&mut self, tfar: f32) -> Option<ChildRef> {
-        while self.len > 0 {
-            self.len -= 1;
-            // SAFETY: entries below `len` were written.
-            let entry = unsafe { self.entries.get_unchecked(self.len).assume_init() };
+        while self.top != self.base {
+            // SAFETY: entries below the top were written.
+            let entry = unsafe {
+                self.top = self.top.sub(1);
+                self.top.read()
+            };
             if (entry >> 32) as u32 <= tfar.to_bits() {
                 return Some(ChildRef(entry as u32));
             }
@@ -55,11 +58,8 @@ impl Stack {
     /// Puts the top `count` entries in order, nearest on top.
     #[inline(always)]
     fn sort_top(&mut self, count: usize) {
-        let base = self.len - count;
         // SAFETY: the top `count` entries were written.
-        let top = unsafe {
-            std::slice::from_raw_parts_mut(self.entries.as_mut_ptr().add(base).cast::<u64>(), count)
-        };
+        let top = unsafe { std::slice::from_raw_parts_mut(self.top.sub(count), count) };
         for i in 1..count {
             let x = top[i];
             let mut j = i;
@@ -82,91 +82,132 @@ struct Best {
     t: f32,
     u: f32,
     v: f32,
-    place: Place,
-}
-
-#[derive(Clone, Copy)]
-enum Place {
-    Nothing,
-    Triangle { block: usize, lane: usize },
-    Quadric(usize),
-}
-
-impl Place {
-    fn id(self, bvh: &Bvh, others: &Others) -> Option<TriangleId> {
-        match self {
-            Self::Nothing => None,
-            Self::Triangle { block, lane } => Some(bvh.ids[block][lane]),
-            Self::Quadric(i) => {
-                Some(TriangleId { geometry: others.quadrics[i].geometry, primitive: 0 })
-            }
-        }
-    }
+    /// Running number of the primitive.
+    id: u32,
+    /// Index of the quadric, or none of them.
+    quadric: u32,
 }
 
 impl Best {
-    /// Takes a candidate with `t <= self.t`; of equally near ones the lowest id wins.
+    const NOTHING: u32 = u32::MAX;
+
+    fn none(tfar: f32) -> Self {
+        Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING, quadric: Self::NOTHING }
+    }
+
+    /// Takes a hit with `t <= self.t`; of equally near ones the lowest number wins, and nothing has
+    /// the highest.
     #[inline(always)]
-    fn consider(&mut self, t: f32, u: f32, v: f32, place: Place, bvh: &Bvh, others: &Others) {
-        if t < self.t || self.loses_tie(place, bvh, others) {
-            *self = Self { t, u, v, place };
+    fn consider(&mut self, hit: TriangleHit, id: u32, quadric: u32) {
+        if hit.t < self.t || id < self.id {
+            *self = Self { t: hit.t, u: hit.u, v: hit.v, id, quadric };
         }
     }
-
-    #[cold]
-    #[inline(never)]
-    fn loses_tie(&self, place: Place, bvh: &Bvh, others: &Others) -> bool {
-        let held = self.place.id(bvh, others);
-        held.is_none_or(|held| place.id(bvh, others).is_some_and(|new| new < held))
-    }
-}
-
-/// A ray that can hit something: finite, with a direction and a range.
-#[inline(always)]
-fn range(ray: &Ray) -> Option<(f32, f32)> {
-    let tnear = if ray.tnear > 0.0 { ray.tnear } else { 0.0 };
-    let tfar = if ray.tfar < f32::MAX { ray.tfar } else { f32::MAX };
-    let sound = tnear < tfar
-        && !ray.tnear.is_nan()
-        && !ray.tfar.is_nan()
-        && ray.origin.is_finite()
-        && ray.direction.is_finite()
-        && ray.direction.abs().max_element() >= f32::MIN_POSITIVE;
-    sound.then_some((tnear, tfar))
 }
 
 /// The nearest hit, or with `ANY` an arbitrary one, of which only the existence means something.
 #[inline(always)]
-pub(crate) fn traverse<V: Lanes, const ANY: bool>(
-    bvh: &Bvh,
-    others: &Others,
-    ray: &Ray,
-) -> Option<Hit> {
-    let (tnear, tfar) = range(ray)?;
-    let slab = Slab::<V>::new(ray, tnear, bvh.reach);
-    let shear = WideShear::<V>::new(&Shear::new(ray), tnear);
-    let mut best = Best { t: tfar, u: 0.0, v: 0.0, place: Place::Nothing };
-    let mut wide_tfar = V::splat(tfar);
-    let mut stack = Stack::new();
+pub(crate) fn traverse<V: Lanes, const ANY: bool>(bvh: &Bvh, others: &Others, ray: &Ray) -> Option<Hit> {
+    let (slab, shear, tfar) = prepare::<V>(ray, bvh.reach)?;
+    let tnear = shear.tnear;
+    let shear = WideShear::<V>::new(&shear);
+    let mut best = Best::none(tfar);
+    let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
+    let base = entries.as_mut_ptr().cast();
+    let mut stack = Stack { top: base, base };
     let mut current = bvh.root;
+    loop {
+        let event = go::<V, ANY>(bvh, &slab, &shear, &mut best, &mut stack, current);
+        match event {
+            Event::Done => return finish(bvh, others, ray, &best),
+            Event::Found => return Some(HIT_SOMETHING),
+            Event::Doubt(block) => {
+                for lane in 0..WIDTH {
+                    let hit = shear.settle(&bvh.blocks[block], lane, best.t);
+                    if let Some(h) = hit {
+                        if ANY {
+                            return Some(HIT_SOMETHING);
+                        }
+                        best.consider(h, bvh.blocks[block].ids[lane], Best::NOTHING);
+                    }
+                }
+            }
+            Event::Others(leaf) => {
+                let (begin, count) = leaf.leaf();
+                for &quadric in &bvh.others[begin..begin + count] {
+                    let placed = &others.quadrics[quadric as usize];
+                    if let Some(t) = placed.intersect(ray, tnear, best.t) {
+                        if ANY {
+                            return Some(HIT_SOMETHING);
+                        }
+                        best.consider(TriangleHit { t, u: 0.0, v: 0.0 }, placed.id, quadric);
+                    }
+                }
+            }
+        }
+        match stack.pop(best.t) {
+            Some(next) => current = next,
+            None => return finish(bvh, others, ray, &best),
+        }
+    }
+}
+
+/// Why the fast loop stops.
+enum Event {
+    /// Nothing is left to visit.
+    Done,
+    /// Any hit was wanted and one was found.
+    Found,
+    /// A block has triangles that need the slow test.
+    Doubt(usize),
+    /// A leaf of other primitives.
+    Others(ChildRef),
+}
+
+/// The fast loop. It calls no function, so that its constants stay in registers.
+#[inline(always)]
+fn go<V: Lanes, const ANY: bool>(
+    bvh: &Bvh,
+    slab: &Slab<V>,
+    shear: &WideShear<V>,
+    best: &mut Best,
+    stack: &mut Stack,
+    mut current: ChildRef,
+) -> Event {
+    let mut end = shear.end(best.t);
     loop {
         while !current.is_leaf() {
             // SAFETY: inner references of the builder are indices of nodes.
             let node = unsafe { bvh.nodes.get_unchecked(current.node()) };
             // SAFETY: the planes are the node's six aligned rows.
-            let (mut mask, enter) = unsafe { slab.meet((&raw const node.planes).cast(), wide_tfar) };
+            let (mut mask, enter) = unsafe { slab.meet((&raw const node.planes).cast(), end.t) };
             if mask == 0 {
                 match stack.pop(best.t) {
                     Some(next) => {
                         current = next;
                         continue;
                     }
-                    None => return finish(bvh, others, ray, &best),
+                    None => return Event::Done,
                 }
             }
             let first = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             if mask == 0 {
+                current = child(node, first);
+                continue;
+            }
+            if ANY {
+                // Lower slots are larger boxes, more likely to be hit: they come first.
+                loop {
+                    let slot = 31 - mask.leading_zeros();
+                    let next = child(node, slot as usize & 7);
+                    mask ^= 1 << slot;
+                    fetch(bvh, next);
+                    stack.push(pack(0.0, next));
+                    if mask == 0 {
+                        break;
+                    }
+                }
                 current = child(node, first);
                 continue;
             }
@@ -179,56 +220,96 @@ pub(crate) fn traverse<V: Lanes, const ANY: bool>(
             mask &= mask - 1;
             let (a, b) = (entry(first), entry(second));
             if mask == 0 {
-                let (near, far) = if a <= b { (a, b) } else { (b, a) };
+                let (near, far) = in_order(a, b);
+                fetch(bvh, ChildRef(far as u32));
                 stack.push(far);
                 current = ChildRef(near as u32);
                 continue;
             }
-            stack.push(a);
+            let third = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let c = entry(third);
+            fetch(bvh, ChildRef(a as u32));
+            fetch(bvh, ChildRef(b as u32));
+            fetch(bvh, ChildRef(c as u32));
+            let (a, b) = in_order(a, b);
+            let (b, c) = in_order(b, c);
+            let (a, b) = in_order(a, b);
+            stack.push(c);
             stack.push(b);
-            let mut count = 2;
+            if mask == 0 {
+                current = ChildRef(a as u32);
+                continue;
+            }
+            stack.push(a);
+            let mut count = 3;
             while mask != 0 {
-                stack.push(entry(mask.trailing_zeros() as usize));
+                let e = entry(mask.trailing_zeros() as usize);
+                fetch(bvh, ChildRef(e as u32));
+                stack.push(e);
                 mask &= mask - 1;
                 count += 1;
             }
             stack.sort_top(count);
-            stack.len -= 1;
             // SAFETY: just written.
-            current = ChildRef(unsafe { stack.entries.get_unchecked(stack.len).assume_init() } as u32);
+            current = ChildRef(unsafe {
+                stack.top = stack.top.sub(1);
+                stack.top.read()
+            } as u32);
         }
 
         let (begin, count) = current.leaf();
-        if !current.is_other() {
-            for block in begin..begin + count {
-                // SAFETY: leaf references of the builder are ranges of blocks.
-                let hits = shear.intersect(unsafe { bvh.blocks.get_unchecked(block) }, wide_tfar);
-                if hits.mask != 0 {
-                    if ANY {
-                        return Some(HIT_SOMETHING);
+        if current.is_other() {
+            return Event::Others(current);
+        }
+        for index in begin..begin + count {
+            // SAFETY: leaf references of the builder are ranges of blocks.
+            let block = unsafe { bvh.blocks.get_unchecked(index) };
+            let hits = shear.intersect(block, &end);
+            if hits.mask != 0 {
+                if hits.doubt {
+                    let rest = begin + count - index - 1;
+                    if rest != 0 {
+                        stack.push(pack(0.0, ChildRef::triangles(index + 1, rest)));
                     }
-                    take(&mut best, &hits, block, bvh, others);
-                    wide_tfar = V::splat(best.t);
+                    return Event::Doubt(index);
                 }
-            }
-        } else {
-            for &quadric in &bvh.others[begin..begin + count] {
-                let quadric = quadric as usize;
-                let hit = others.quadrics[quadric].intersect(ray, tnear, best.t);
-                if let Some(t) = hit {
-                    if ANY {
-                        return Some(HIT_SOMETHING);
-                    }
-                    best.consider(t, 0.0, 0.0, Place::Quadric(quadric), bvh, others);
-                    wide_tfar = V::splat(best.t);
+                if ANY {
+                    return Event::Found;
                 }
+                take(best, &hits, block);
+                end = shear.end(best.t);
             }
         }
         match stack.pop(best.t) {
             Some(next) => current = next,
-            None => return finish(bvh, others, ray, &best),
+            None => return Event::Done,
         }
     }
+}
+
+/// Asks for the memory of a child that will be visited later.
+#[inline(always)]
+fn fetch(bvh: &Bvh, c: ChildRef) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::*;
+        let leaf = c.is_leaf();
+        let start = if leaf { bvh.blocks.as_ptr().cast::<i8>() } else { bvh.nodes.as_ptr().cast() };
+        let index = (c.0 & 0x7ff_ffff) as usize;
+        let extra = if leaf { 64 } else { 0 };
+        let start = start.wrapping_add(index * 256).wrapping_add(index * extra);
+        for line in [0, 64, 128, 192, 192 + extra] {
+            // SAFETY: a prefetch may name any address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line)) };
+        }
+    }
+}
+
+/// The smaller and the larger of two.
+#[inline(always)]
+fn in_order(a: u64, b: u64) -> (u64, u64) {
+    (a.min(b), a.max(b))
 }
 
 const HIT_SOMETHING: Hit = Hit { t: 0.0, u: 0.0, v: 0.0, geometry: 0, primitive: 0 };
@@ -240,37 +321,32 @@ fn child(node: &Node, slot: usize) -> ChildRef {
 }
 
 #[inline(always)]
-fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: usize, bvh: &Bvh, others: &Others) {
+fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: &Block) {
     let t = hits.t();
     let mut mask = hits.mask;
-    let mut nearest = mask.trailing_zeros() as usize;
+    let mut nearest = mask.trailing_zeros() as usize & 7;
     mask &= mask - 1;
     while mask != 0 {
-        let lane = mask.trailing_zeros() as usize;
+        let lane = mask.trailing_zeros() as usize & 7;
         mask &= mask - 1;
-        // Lanes are in order of id: the first of equals stays.
-        if t[lane & 7] < t[nearest & 7] {
+        // Lanes are in order of number: the first of equals stays.
+        if t[lane] < t[nearest] {
             nearest = lane;
         }
     }
-    let hit = hits.lane(nearest & 7);
-    best.consider(hit.t, hit.u, hit.v, Place::Triangle { block, lane: nearest & 7 }, bvh, others);
+    best.consider(hits.lane(nearest), block.ids[nearest], Best::NOTHING);
 }
 
 /// Names what was hit.
 #[inline(always)]
 fn finish(bvh: &Bvh, others: &Others, ray: &Ray, best: &Best) -> Option<Hit> {
-    let (t, u, v) = (best.t, best.u, best.v);
-    match best.place {
-        Place::Nothing => None,
-        Place::Triangle { block, lane } => {
-            let id = bvh.ids[block][lane];
-            Some(Hit { t, u, v, geometry: id.geometry, primitive: id.primitive })
-        }
-        Place::Quadric(i) => {
-            let quadric = &others.quadrics[i];
-            let (u, v) = quadric.parameters(ray, t);
-            Some(Hit { t, u, v, geometry: quadric.geometry, primitive: 0 })
-        }
+    if best.id == Best::NOTHING {
+        return None;
     }
+    let (geometry, primitive) = bvh.numbering.locate(best.id);
+    let (mut u, mut v) = (best.u, best.v);
+    if best.quadric != Best::NOTHING {
+        (u, v) = others.quadrics[best.quadric as usize].parameters(ray, best.t);
+    }
+    Some(Hit { t: best.t, u, v, geometry, primitive })
 }

@@ -27,6 +27,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    unsafe fn load_unaligned(p: *const f32) -> Self {
+        // SAFETY: the caller promises 32 readable bytes; for the instruction set see above.
+        Self(unsafe { _mm256_loadu_ps(p) })
+    }
+
+    #[inline(always)]
     fn to_array(self) -> Aligned8 {
         let mut out = Aligned8([0.0; 8]);
         // SAFETY: `out` is 32 bytes, 32-byte aligned; for the instruction set see above.
@@ -95,6 +101,21 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn copysign(self, b: Self) -> Self {
+        // SAFETY: the instruction set is detected, see above.
+        Self(unsafe {
+            let sign = _mm256_set1_ps(-0.0);
+            _mm256_or_ps(_mm256_andnot_ps(sign, self.0), _mm256_and_ps(sign, b.0))
+        })
+    }
+
+    #[inline(always)]
+    fn xor_sign(self, b: Self) -> Self {
+        // SAFETY: the instruction set is detected, see above.
+        Self(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(_mm256_set1_ps(-0.0), b.0)) })
+    }
+
+    #[inline(always)]
     fn le(self, b: Self) -> Self::Mask {
         // SAFETY: the instruction set is detected, see above.
         unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, b.0) }
@@ -104,6 +125,12 @@ impl Lanes for Avx2 {
     fn lt(self, b: Self) -> Self::Mask {
         // SAFETY: the instruction set is detected, see above.
         unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, b.0) }
+    }
+
+    #[inline(always)]
+    fn not_lt(self, b: Self) -> Self::Mask {
+        // SAFETY: the instruction set is detected, see above.
+        unsafe { _mm256_cmp_ps::<_CMP_NLT_UQ>(self.0, b.0) }
     }
 
     #[inline(always)]

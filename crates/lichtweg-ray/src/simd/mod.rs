@@ -74,6 +74,17 @@ pub(crate) trait Lanes: Copy {
     /// # Safety
     /// `p` must be valid for reading 32 bytes and 32-byte aligned.
     unsafe fn load(p: *const f32) -> Self;
+    /// Eight consecutive values.
+    ///
+    /// # Safety
+    /// `p` must be valid for reading 32 bytes.
+    unsafe fn load_unaligned(p: *const f32) -> Self;
+    /// The values of an array.
+    #[inline(always)]
+    fn from_array(a: Aligned8) -> Self {
+        // SAFETY: `Aligned8` has the size and alignment of a register.
+        unsafe { Self::load(a.0.as_ptr()) }
+    }
     /// The lanes as an array.
     fn to_array(self) -> Aligned8;
     /// a + b.
@@ -96,10 +107,16 @@ pub(crate) trait Lanes: Copy {
     fn max(self, b: Self) -> Self;
     /// |a|.
     fn abs(self) -> Self;
+    /// |a| with the sign of `b`.
+    fn copysign(self, b: Self) -> Self;
+    /// a, negated where `b` has its sign bit set.
+    fn xor_sign(self, b: Self) -> Self;
     /// a <= b.
     fn le(self, b: Self) -> Self::Mask;
     /// a < b.
     fn lt(self, b: Self) -> Self::Mask;
+    /// Not a < b: true where either is NaN.
+    fn not_lt(self, b: Self) -> Self::Mask;
     /// Both.
     fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Either.

@@ -33,6 +33,12 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    unsafe fn load_unaligned(p: *const f32) -> Self {
+        // SAFETY: the caller promises 32 readable bytes.
+        Self(unsafe { p.cast::<[f32; WIDTH]>().read_unaligned() })
+    }
+
+    #[inline(always)]
     fn to_array(self) -> Aligned8 {
         Aligned8(self.0)
     }
@@ -88,6 +94,16 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn copysign(self, b: Self) -> Self {
+        self.zip(b, f32::copysign)
+    }
+
+    #[inline(always)]
+    fn xor_sign(self, b: Self) -> Self {
+        self.zip(b, |a, b| if b.is_sign_negative() { -a } else { a })
+    }
+
+    #[inline(always)]
     fn le(self, b: Self) -> u32 {
         self.test(b, |a, b| a <= b)
     }
@@ -95,6 +111,11 @@ impl Lanes for Portable {
     #[inline(always)]
     fn lt(self, b: Self) -> u32 {
         self.test(b, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn not_lt(self, b: Self) -> u32 {
+        !self.lt(b) & 0xff
     }
 
     #[inline(always)]

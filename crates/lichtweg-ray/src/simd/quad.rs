@@ -8,10 +8,7 @@ use std::arch::x86_64::*;
 /// Four lanes.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
-pub(crate) struct Quad(
-    #[cfg(target_arch = "x86_64")] __m128,
-    #[cfg(not(target_arch = "x86_64"))] [f32; 4],
-);
+pub(crate) struct Quad(#[cfg(target_arch = "x86_64")] __m128, #[cfg(not(target_arch = "x86_64"))] [f32; 4]);
 
 // SAFETY (every block below): SSE2 is part of the x86-64 baseline; no memory is touched.
 #[cfg(target_arch = "x86_64")]

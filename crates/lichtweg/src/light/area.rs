@@ -3,7 +3,7 @@
 //! Points are chosen uniformly over the triangles of a mesh, over the parameters of a quadric, or, for a whole sphere
 //! seen from outside, over the cone of directions that it fills (Shirley, Wang and Zimmerman 1996).
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use lichtweg_montecarlo::{distribution::AliasTable, warp};
 use lichtweg_ray::QuadricShape;
@@ -12,7 +12,7 @@ use lichtweg_ray::math::{Vec2, Vec3};
 use super::LightSample;
 use crate::bsdf::Frame;
 use crate::color::Spectrum;
-use crate::scene::{Form, MeshForm, QuadricForm, SurfacePoint, offset};
+use crate::scene::{Form, QuadricForm, Scene, SurfacePoint, offset};
 use crate::texture::{Input, TextureArena};
 
 /// An emitting shape.
@@ -56,10 +56,9 @@ impl EmissionSampling {
     pub fn new(form: &Form) -> Option<Self> {
         match form {
             Form::Mesh(mesh) => {
-                let areas: Vec<f64> =
-                    (0..mesh.triangles.len() as u32).map(|i| triangle_area(mesh, i)).collect();
+                let areas: Vec<f32> = (0..mesh.triangles.len() as u32).map(|i| mesh.area(i)).collect();
                 let table = AliasTable::new(&areas).ok()?;
-                Some(Self::Triangles { table, area: areas.iter().sum::<f64>() as f32 })
+                Some(Self::Triangles { table, area: areas.iter().map(|&a| f64::from(a)).sum::<f64>() as f32 })
             }
             Form::Quadric(quadric) => Some(match whole_sphere(quadric) {
                 Some((center, radius)) => Self::Sphere { center, radius },
@@ -67,12 +66,6 @@ impl EmissionSampling {
             }),
         }
     }
-}
-
-/// Area in f64; a triangle that the ray engine drops, because it has none or is not finite, has none here.
-fn triangle_area(mesh: &MeshForm, primitive: u32) -> f64 {
-    let area = 0.5 * f64::from(mesh.area_normal(primitive).length());
-    if area.is_finite() { area } else { 0.0 }
 }
 
 /// Centre and radius, if the quadric is an uncut sphere under a similarity.
@@ -100,38 +93,52 @@ impl AreaLight {
 
     /// See [`Light::sample`](super::Light::sample).
     #[inline]
-    pub fn sample(
-        &self,
-        from: Vec3,
-        u: [f32; 2],
-        form: &Form,
-        textures: &TextureArena,
-    ) -> Option<LightSample> {
-        let point = match (&self.sampling, form) {
-            (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) => {
-                let pick = table.sample(u[0]);
-                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
-                mesh.point(self.shape, pick.index as u32, b, c)
-            }
-            (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
-                match cone(*center, *radius, from) {
-                    Some(cone) => self.point_in_cone(&cone, *center, *radius, u, quadric),
-                    None => quadric_point(quadric, self.shape, u),
-                }
-            }
-            (_, Form::Quadric(quadric)) => quadric_point(quadric, self.shape, u),
-            _ => return None,
+    pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<LightSample> {
+        let (point, measure) = self.sample_point(from, u, scene.form(self.shape))?;
+        let to_light = point.position - from;
+        let distance_squared = to_light.length_squared();
+        let direction = to_light * (1.0 / distance_squared.sqrt());
+        let cos = point.geometric_normal.dot(-direction);
+        if cos <= 0.0 && !self.two_sided {
+            return None;
+        }
+        let pdf = match measure {
+            Measure::SolidAngle(pdf) => pdf,
+            // dw = cos dA / d^2
+            Measure::Area(pdf) => pdf * distance_squared / cos.abs(),
         };
-        let direction = (point.position - from).try_normalized()?;
-        let radiance = self.radiance(&point, -direction, textures);
-        let pdf = self.pdf(from, &point, direction, form);
-        (!radiance.is_zero() && pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+        let radiance = scene.textures().eval(self.radiance, point.uv)
+            * self.factor
+            * scene.opacity_at(&point, -direction);
+        (pdf > 0.0 && pdf.is_finite() && !radiance.is_zero()).then(|| LightSample {
             direction,
             target: Some(point.leave(-direction)),
             radiance,
             pdf,
             delta: false,
         })
+    }
+
+    #[inline]
+    fn sample_point(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
+        let quadric = match (&self.sampling, form) {
+            (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) => {
+                let pick = table.sample(u[0]);
+                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
+                return Some((mesh.point(self.shape, pick.index as u32, b, c), Measure::Area(1.0 / area)));
+            }
+            (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
+                if let Some(cone) = cone(*center, *radius, from) {
+                    let point = self.point_in_cone(&cone, *center, *radius, u, quadric);
+                    return Some((point, Measure::SolidAngle(warp::uniform_cone_pdf(cone.one_minus_cos))));
+                }
+                quadric
+            }
+            (EmissionSampling::Quadric, Form::Quadric(quadric)) => quadric,
+            _ => return None,
+        };
+        let point = quadric_point(quadric, self.shape, u);
+        Some((point, Measure::Area(quadric_pdf_area(quadric, &point))))
     }
 
     /// Density per solid angle at `from` with which [`AreaLight::sample`] chooses the direction to `point`.
@@ -173,14 +180,29 @@ impl AreaLight {
         let position = center + normal * radius;
         SurfacePoint {
             position,
-            error: offset::position_error(center.abs() + Vec3::splat(radius)),
+            error: offset::position_error(center.abs().max_element() + radius),
             geometric_normal: normal * quadric.orientation,
             shading_normal: normal * quadric.orientation,
-            uv: Vec2::ZERO,
+            uv: match self.radiance {
+                Input::Constant(_) => Vec2::ZERO,
+                Input::Texture(_) => sphere_uv(quadric.to_object.point(position)),
+            },
             shape: self.shape,
             primitive: 0,
         }
     }
+}
+
+/// Surface coordinates of a whole sphere at a point of object space.
+fn sphere_uv(p: Vec3) -> Vec2 {
+    let azimuth = p.y.atan2(p.x) / TAU;
+    Vec2::new(azimuth - azimuth.floor(), 1.0 - p.normalized().z.clamp(-1.0, 1.0).acos() / PI)
+}
+
+/// A density, and what it is a density of.
+enum Measure {
+    SolidAngle(f32),
+    Area(f32),
 }
 
 /// The directions in which a sphere is seen.

@@ -54,7 +54,7 @@ impl Light {
     #[inline]
     pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<LightSample> {
         match self {
-            Self::Area(light) => light.sample(from, u, scene.form(light.shape), scene.textures()),
+            Self::Area(light) => light.sample(from, u, scene),
             Self::Point(light) => light.sample(from),
             Self::Spot(light) => light.sample(from),
             Self::Directional(light) => Some(light.sample()),

@@ -172,13 +172,20 @@ fn place_mesh(mesh: &Mesh, shape: &ShapeDescription) -> Result<MeshForm, Diagnos
     }
     let flip = if shape.flip_normals { -1.0 } else { 1.0 };
     let mirror = m.determinant().signum() as f32;
-    Ok(MeshForm {
+    if let Some(t) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= vertices) {
+        return Err(fault(
+            "bad-mesh",
+            shape,
+            format!("a mesh refers to vertex {t}, but has {vertices} vertices"),
+        ));
+    }
+    Ok(MeshForm::new(
         positions,
-        triangles: mesh.triangles.as_slice().into(),
-        normals: mesh.normals.iter().map(|n| (m.normal(*n) * flip).normalized()).collect(),
-        uvs: mesh.uvs.clone(),
-        winding: flip * mirror,
-    })
+        mesh.triangles.as_slice().into(),
+        mesh.normals.iter().map(|n| (m.normal(*n) * flip).normalized()).collect(),
+        mesh.uvs.clone(),
+        flip * mirror,
+    ))
 }
 
 /// What the ray engine sees of a form.
@@ -203,13 +210,6 @@ fn add_shape(
     let material = source.material.0;
     if material as usize >= materials.len() {
         diagnostics.push(fault("unknown-material", source, "a shape has a material that does not exist"));
-        return;
-    }
-    if let Form::Mesh(mesh) = &form
-        && let Some(t) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len())
-    {
-        let message = format!("a mesh refers to vertex {t}, but has {} vertices", mesh.positions.len());
-        diagnostics.push(fault("bad-mesh", source, message));
         return;
     }
     let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|light| {

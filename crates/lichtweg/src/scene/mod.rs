@@ -164,6 +164,13 @@ impl Scene {
         0.0
     }
 
+    /// The probability that the surface is there at a point that is looked at from the direction `wo`.
+    #[inline]
+    pub fn opacity_at(&self, point: &SurfacePoint, wo: Vec3) -> f32 {
+        let shape = &self.shapes[point.shape as usize];
+        if shape.has_holes { self.opacity(shape, point, wo) } else { 1.0 }
+    }
+
     fn opacity(&self, shape: &Shape, point: &SurfacePoint, wo: Vec3) -> f32 {
         self.materials.opacity(shape.material, point, wo, &self.textures)
     }

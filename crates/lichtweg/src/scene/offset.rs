@@ -1,8 +1,10 @@
 //! Rays that leave a surface without hitting it again.
 //!
-//! A computed point lies near the surface, not on it; how near follows from the rounding of the arithmetic that made it.
-//! A ray starts on the far side of that bound (Pharr, Jakob and Humphreys 2023, section 6.8.6), so that the distance
-//! adapts to the magnitude of the coordinates, not to the size of the scene.
+//! A computed point lies near the surface, not on it, and a ray query that starts there finds the surface again at a
+//! distance that is zero but for rounding. How large both errors can be follows from the arithmetic: a few units in the last
+//! place of the largest coordinate involved, whichever coordinate the normal lies along. A ray starts beyond that bound
+//! (compare Pharr, Jakob and Humphreys 2023, section 6.8.6), which adapts to the magnitude of the coordinates, not to the size of
+//! the scene.
 
 use lichtweg_ray::math::Vec3;
 
@@ -12,18 +14,17 @@ pub const fn gamma(n: i32) -> f32 {
     nu / (1.0 - nu)
 }
 
-/// The rounding error of a point computed as a sum of terms of total magnitude `magnitude` a component.
+/// The rounding error of a point on a primitive whose coordinates are at most `size` in magnitude.
 ///
-/// Seven operations bound the error of the point itself; the ray query that starts at it subtracts and rotates it once
-/// more, which the rest allows for.
+/// Seven operations bound the error of the point itself; the ray query that starts at it translates, shears and scales the
+/// primitive once more, which the rest allows for.
 #[inline]
-pub fn position_error(magnitude: Vec3) -> Vec3 {
-    magnitude * gamma(24)
+pub fn position_error(size: f32) -> f32 {
+    size * gamma(24)
 }
 
 /// The point moved off the surface, along the unit normal, to the side that `direction` points to.
 #[inline]
-pub fn offset(position: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    let distance = normal.abs().dot(error);
-    position + normal * distance.copysign(normal.dot(direction))
+pub fn offset(position: Vec3, error: f32, normal: Vec3, direction: Vec3) -> Vec3 {
+    position + normal * error.copysign(normal.dot(direction))
 }

@@ -12,8 +12,8 @@ use super::offset::{offset, position_error};
 pub struct SurfacePoint {
     /// Where, in the world.
     pub position: Vec3,
-    /// Bound on the rounding error of each coordinate.
-    pub error: Vec3,
+    /// Bound on the rounding error along the normal.
+    pub error: f32,
     /// Unit geometric normal, pointing to the outside.
     pub geometric_normal: Vec3,
     /// Unit shading normal.
@@ -43,75 +43,108 @@ pub enum Form {
     Quadric(QuadricForm),
 }
 
-/// Triangles in the world; the positions and triangles are shared with the ray engine.
+/// Triangles in the world.
 #[derive(Debug)]
 pub struct MeshForm {
-    /// Vertex positions.
+    /// Vertex positions, shared with the ray engine.
     pub positions: Arc<[Vec3]>,
-    /// Three positions a triangle.
+    /// Three positions a triangle, shared with the ray engine.
     pub triangles: Arc<[[u32; 3]]>,
+    /// What a hit needs of each triangle, gathered.
+    facets: Vec<Facet>,
     /// Unit vertex normals, or empty.
-    pub normals: Vec<Vec3>,
-    /// Vertex texture coordinates, or empty.
-    pub uvs: Vec<Vec2>,
-    /// -1 where the winding is clockwise seen from the outside.
-    pub winding: f32,
+    normals: Vec<Vec3>,
+    /// Vertex texture coordinates, or empty: those of every triangle are then (0, 0), (1, 0) and (1, 1).
+    uvs: Vec<Vec2>,
 }
 
-/// Texture coordinates of the corners of a triangle that has none.
-const DEFAULT_UVS: [Vec2; 3] = [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(1.0, 1.0)];
+/// A triangle as hits need it: one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Facet {
+    corner: Vec3,
+    edges: [Vec3; 2],
+    /// Unit, outward; not finite where the triangle has no area.
+    normal: Vec3,
+    area: f32,
+    error: f32,
+}
 
 impl MeshForm {
-    /// Positions of a triangle's corners.
-    #[inline]
-    pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
-        self.triangles[primitive as usize].map(|i| self.positions[i as usize])
+    /// Triangles over world positions, with unit normals and texture coordinates a vertex or none. `winding` is -1 where
+    /// triangles run clockwise seen from the outside. All indices must be in range.
+    pub fn new(
+        positions: Arc<[Vec3]>,
+        triangles: Arc<[[u32; 3]]>,
+        normals: Vec<Vec3>,
+        uvs: Vec<Vec2>,
+        winding: f32,
+    ) -> Self {
+        let facet = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| positions[i as usize]);
+            let edges = [b - a, c - a];
+            let double_area = edges[0].cross(edges[1]) * winding;
+            let size = a.abs().max(b.abs()).max(c.abs()).max_element();
+            Facet {
+                corner: a,
+                edges,
+                normal: double_area.normalized(),
+                area: 0.5 * double_area.length(),
+                error: position_error(size),
+            }
+        };
+        let facets = triangles.iter().map(facet).collect();
+        Self { positions, triangles, facets, normals, uvs }
     }
 
-    /// Twice the area of a triangle times its unit normal.
-    #[inline]
-    pub fn area_normal(&self, primitive: u32) -> Vec3 {
-        let [a, b, c] = self.corners(primitive);
-        (b - a).cross(c - a) * self.winding
+    /// Area of a triangle; a triangle that the ray engine drops, because it has none, has none here.
+    pub fn area(&self, primitive: u32) -> f32 {
+        let facet = &self.facets[primitive as usize];
+        if facet.normal.is_finite() { facet.area } else { 0.0 }
     }
 
     /// The point (1 - u - v) a + u b + v c of a triangle.
     #[inline]
     pub fn point(&self, shape: u32, primitive: u32, u: f32, v: f32) -> SurfacePoint {
-        let corners = self.triangles[primitive as usize].map(|i| i as usize);
-        let [a, b, c] = corners.map(|i| self.positions[i]);
-        let w = 1.0 - u - v;
-        let geometric_normal = ((b - a).cross(c - a) * self.winding).normalized();
-        let shading_normal = if self.normals.is_empty() {
-            geometric_normal
-        } else {
-            let [na, nb, nc] = corners.map(|i| self.normals[i]);
-            (na * w + nb * u + nc * v).try_normalized().unwrap_or(geometric_normal)
-        };
-        let [ta, tb, tc] = self.corner_uvs(corners);
-        SurfacePoint {
-            position: a * w + b * u + c * v,
-            error: position_error(a.abs() * w + b.abs() * u + c.abs() * v),
-            geometric_normal,
-            shading_normal,
-            uv: ta * w + tb * u + tc * v,
+        let facet = &self.facets[primitive as usize];
+        let mut point = SurfacePoint {
+            position: facet.corner + facet.edges[0] * u + facet.edges[1] * v,
+            error: facet.error,
+            geometric_normal: facet.normal,
+            shading_normal: facet.normal,
+            uv: Vec2::new(u + v, v),
             shape,
             primitive,
+        };
+        if !self.normals.is_empty() || !self.uvs.is_empty() {
+            self.interpolate(&mut point, u, v);
         }
+        point
     }
 
-    #[inline]
-    fn corner_uvs(&self, corners: [usize; 3]) -> [Vec2; 3] {
-        if self.uvs.is_empty() { DEFAULT_UVS } else { corners.map(|i| self.uvs[i]) }
+    fn interpolate(&self, point: &mut SurfacePoint, u: f32, v: f32) {
+        let corners = self.triangles[point.primitive as usize].map(|i| i as usize);
+        let w = 1.0 - u - v;
+        if !self.normals.is_empty() {
+            let [a, b, c] = corners.map(|i| self.normals[i]);
+            let normal = (a * w + b * u + c * v).try_normalized();
+            point.shading_normal = normal.unwrap_or(point.geometric_normal);
+        }
+        if !self.uvs.is_empty() {
+            let [a, b, c] = corners.map(|i| self.uvs[i]);
+            point.uv = a * w + b * u + c * v;
+        }
     }
 
     /// Derivatives of the position with respect to the surface coordinates, constant over a triangle.
     pub fn partials(&self, primitive: u32) -> Option<[Vec3; 2]> {
-        let corners = self.triangles[primitive as usize].map(|i| i as usize);
-        let [a, b, c] = corners.map(|i| self.positions[i]);
-        let [ta, tb, tc] = self.corner_uvs(corners);
-        let (e, f) = (b - a, c - a);
-        let (s, t) = (tb - ta, tc - ta);
+        let [e, f] = self.facets[primitive as usize].edges;
+        let [s, t] = if self.uvs.is_empty() {
+            [Vec2::new(1.0, 0.0), Vec2::new(1.0, 1.0)]
+        } else {
+            let [a, b, c] = self.triangles[primitive as usize].map(|i| self.uvs[i as usize]);
+            [b - a, c - a]
+        };
         let determinant = s.x * t.y - s.y * t.x;
         let partials = [(e * t.y - f * s.y) / determinant, (f * s.x - e * t.x) / determinant];
         partials.iter().all(|p| p.is_finite()).then_some(partials)
@@ -164,7 +197,7 @@ impl QuadricForm {
         );
         SurfacePoint {
             position,
-            error: position_error(size),
+            error: position_error(size.max_element()),
             geometric_normal: normal,
             shading_normal: normal,
             uv,

@@ -34,8 +34,14 @@ pub enum Fault {
 }
 
 impl Fault {
-    pub const ALL: [Self; 6] =
-        [Self::Cosine, Self::Selection, Self::Weights, Self::DoubleCounting, Self::SeenEmitters, Self::Shadows];
+    pub const ALL: [Self; 6] = [
+        Self::Cosine,
+        Self::Selection,
+        Self::Weights,
+        Self::DoubleCounting,
+        Self::SeenEmitters,
+        Self::Shadows,
+    ];
 }
 
 /// Renders emitters seen directly and direct light; box filter, no crop.
@@ -47,11 +53,9 @@ pub fn render_direct(scene: &Scene, description: &Description, fault: Fault) -> 
         let mut pixel = Pixel::default();
         for index in 0..description.sampler.samples_per_pixel {
             let stream = u64::from(i);
-            let mut sampler =
-                Sampler::new(SamplerKind::Independent, description.sampler.seed, stream, index);
+            let mut sampler = Sampler::new(SamplerKind::Independent, description.sampler.seed, stream, index);
             let [dx, dy] = sampler.next_2d();
-            let film =
-                [((i % width) as f32 + dx) / width as f32, ((i / width) as f32 + dy) / height as f32];
+            let film = [((i % width) as f32 + dx) / width as f32, ((i / width) as f32 + dy) / height as f32];
             let ray = camera.ray(film, sampler.next_2d(), 0.0);
             pixel.add(index, radiance(scene, &ray, &mut sampler, fault), 1.0);
         }

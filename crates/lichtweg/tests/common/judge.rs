@@ -110,7 +110,13 @@ pub fn expectation(image: &RenderedImage, expected: [f64; 3], tolerance: f64) ->
 }
 
 /// Holds the mean of an image to a known number, as one of a family of `family` such tests.
-pub fn assert_expectation(what: &str, image: &RenderedImage, expected: [f64; 3], tolerance: f64, family: usize) {
+pub fn assert_expectation(
+    what: &str,
+    image: &RenderedImage,
+    expected: [f64; 3],
+    tolerance: f64,
+    family: usize,
+) {
     for (mean, outcome) in expectation(image, expected, tolerance) {
         assert!(
             !outcome.rejects(sidak(ALPHA, 3 * family)),

@@ -1,8 +1,6 @@
 //! The commands around `render`.
 
-mod common;
-
-use common::{SCENE, Workplace, files, text};
+use crate::common::{SCENE, Workplace, files, text};
 use serde_json::Value;
 
 #[test]

@@ -1,10 +1,8 @@
 //! What cannot be done is refused with a reason and the right exit code, before anything is rendered.
 
-mod common;
-
 use std::fs;
 
-use common::{SCENE, Workplace, files};
+use crate::common::{SCENE, Workplace, files};
 
 #[test]
 fn bad_values_say_what_was_expected() {
@@ -17,6 +15,7 @@ fn bad_values_say_what_was_expected() {
         ("--crop", "0,0,33,24", "32x24"),
         ("--spp", "0", "at least 1 sample"),
         ("--spp", "many", "256"),
+        ("--spp", "-4", "256"),
         ("--threads", "0", "at least 1 thread"),
         ("--time", "0", "more than 0"),
         ("--time", "soon", "90"),
@@ -28,7 +27,7 @@ fn bad_values_say_what_was_expected() {
         ("--filter", "sinc", "lanczos"),
         ("--filter", "box:-1", "above 0"),
         ("--sampler", "halton", "sobol"),
-        ("--seed", "-1", "--seed"),
+        ("--seed", "-1", "whole number"),
         ("--layers", "alpha", "variance"),
         ("--exposure", "bright", "stops"),
         ("-o", "image.jpg", ".exr"),

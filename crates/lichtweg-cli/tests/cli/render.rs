@@ -1,10 +1,8 @@
 //! `lichtweg render`: every option does what it says.
 
-mod common;
-
 use std::fs;
 
-use common::{Workplace, files, metadata};
+use crate::common::{Workplace, files, metadata};
 use serde_json::json;
 
 #[test]

@@ -143,6 +143,12 @@ impl Running {
         assert!(sent.success());
     }
 
+    /// Closes the other end of standard error and waits for the end; exit code.
+    pub fn end_unheard(mut self) -> Option<i32> {
+        drop(self.stderr);
+        self.child.wait().unwrap().code()
+    }
+
     /// Waits for the end; exit code and the rest of standard error.
     pub fn end(mut self) -> (Option<i32>, String) {
         let mut rest = String::new();

@@ -1,12 +1,8 @@
 //! Ctrl-C, and directories that vanish: no picture is lost.
 
-#![cfg(unix)]
-
-mod common;
-
 use std::fs;
 
-use common::{Workplace, files, metadata};
+use crate::common::{Workplace, files, metadata};
 
 /// More samples than any test takes.
 const FOREVER: &str = "4000000000";
@@ -78,5 +74,13 @@ fn a_picture_whose_directory_has_gone_is_rescued() {
     assert_eq!(code, Some(1), "{stderr}");
     assert!(stderr.contains("gone/a.exr") && stderr.contains("instead"), "{stderr}");
     assert_eq!(files(&place.path("")), ["a.exr", "b.png", "scene.xml"]);
+    assert_eq!(place.exr("a.exr").width, 32);
+}
+
+#[test]
+fn nobody_listening_is_no_reason_to_lose_the_picture() {
+    let place = Workplace::new();
+    let running = place.start(&["render", "scene.xml", "--time", "0.3", "-o", "a.exr"]);
+    assert_eq!(running.end_unheard(), Some(0));
     assert_eq!(place.exr("a.exr").width, 32);
 }

@@ -1,0 +1,94 @@
+//! Tests that every instruction set and every number of threads gives the same bits.
+
+use crate::math::{Affine, Vec3};
+use crate::simd::Isa;
+use crate::{Accel, BuildOptions, Geometry, Quadric, QuadricShape, Ray, TriangleMesh};
+
+/// A linear congruential generator (Knuth's MMIX constants), values in [-1, 1).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    fn point(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+/// Triangles on and off a coarse grid, and a few quadrics.
+fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
+    let mut positions = Vec::new();
+    for i in 0..triangles {
+        let (a, b, c) = (random.point(), random.point() * 0.1, random.point() * 0.1);
+        let snap = |p: Vec3| Vec3::from_array(p.to_array().map(|x| (x * 8.0).round() / 8.0));
+        let corners = [a, a + b, a + c];
+        positions.extend(if i % 3 == 0 { corners.map(snap) } else { corners });
+    }
+    let indices: Vec<[u32; 3]> = (0..triangles as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mut all = vec![TriangleMesh::new(positions, indices).into()];
+    for _ in 0..20 {
+        let at = random.point();
+        let object_to_world = Affine::translation(at.x.into(), at.y.into(), at.z.into())
+            .after(&Affine::scaling(0.05, 0.08, 0.03));
+        all.push(Quadric { shape: QuadricShape::SPHERE, object_to_world }.into());
+    }
+    all
+}
+
+fn ray(random: &mut Random, i: usize) -> Ray {
+    let (origin, mut direction) = (random.point() * 1.5, random.point());
+    match i % 4 {
+        0 => direction = Vec3::from_array(direction.to_array().map(|x| (x * 1.5).round())),
+        1 => direction[i / 4 % 3] = 0.0,
+        _ => {}
+    }
+    Ray::new(origin, direction).between(0.0, if i % 5 == 0 { 0.7 } else { f32::INFINITY })
+}
+
+#[test]
+fn instruction_sets_agree() {
+    let mut random = Random(5);
+    for triangles in [1, 30, 3000] {
+        let mut accel = Accel::build(scene(&mut random, triangles), BuildOptions::default()).unwrap();
+        let rays: Vec<Ray> = (0..30_000).map(|i| ray(&mut random, i)).collect();
+        let answers: Vec<_> = Isa::available()
+            .into_iter()
+            .map(|isa| {
+                accel.isa = isa;
+                let closest: Vec<_> = rays.iter().map(|r| accel.closest(r)).collect();
+                let occluded: Vec<_> = rays.iter().map(|r| accel.occluded(r)).collect();
+                (closest, occluded)
+            })
+            .collect();
+        let (closest, occluded) = &answers[0];
+        assert!(closest.iter().filter(|h| h.is_some()).count() > 100, "the rays must hit something");
+        for (hit, any) in closest.iter().zip(occluded) {
+            assert_eq!(hit.is_some(), *any);
+        }
+        for other in &answers[1..] {
+            assert_eq!(other, &answers[0]);
+        }
+    }
+}
+
+#[test]
+fn the_tree_does_not_depend_on_threads() {
+    let build = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let scene = scene(&mut Random(9), 60_000);
+        pool.install(|| Accel::build(scene, BuildOptions::default()).unwrap())
+    };
+    let (one, three) = (build(1), build(3));
+    assert_eq!(one.bvh.root, three.bvh.root);
+    assert_eq!(one.bvh.nodes.len(), three.bvh.nodes.len());
+    for (a, b) in one.bvh.nodes.iter().zip(three.bvh.nodes.iter()) {
+        assert_eq!((a.planes, a.children), (b.planes, b.children));
+    }
+    for (a, b) in one.bvh.blocks.iter().zip(three.bvh.blocks.iter()) {
+        assert_eq!(a.ids, b.ids);
+    }
+    assert_eq!(*one.bvh.others, *three.bvh.others);
+}
