@@ -28,7 +28,17 @@ macro_rules! scene {
 }
 
 /// All of them; the first is the one to render where none is named.
-pub const SCENES: &[BuiltinScene] = &[];
+pub const SCENES: &[BuiltinScene] = &[
+    scene!("cornell-box", "two blocks in a box with a red and a green wall, from the measured data"),
+    scene!("veach-mis", "four glossy plates reflect four lights: what multiple importance sampling is for"),
+    scene!("lamp-room", "a room lit by two lamps whose bulbs are hidden, with caustics of glass"),
+    scene!("door-ajar", "a room lit only through a door left ajar"),
+    scene!("furnace", "a diffuse block in a glowing sphere: its radiance is known exactly"),
+    scene!(
+        "knife-edge",
+        "the penumbra of a straight edge: the fraction of the light that is seen is known exactly"
+    ),
+];
 
 /// The scene of a name, with or without [`PREFIX`].
 pub fn find(name: &str) -> Option<&'static BuiltinScene> {

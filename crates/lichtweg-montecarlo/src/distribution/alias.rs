@@ -89,7 +89,10 @@ impl AliasTable {
         let bucket = self.buckets[own];
         let fraction = (position - own as f64).min(1.0);
         let threshold = f64::from(bucket.threshold);
-        if fraction < threshold || bucket.threshold >= 1.0 {
+        if bucket.threshold >= 1.0 {
+            // The whole bucket, as always in tables of equal weights: nothing to rescale.
+            Pick { index: own, pmf: bucket.pmf, remapped: below_one(fraction) }
+        } else if fraction < threshold {
             Pick { index: own, pmf: bucket.pmf, remapped: below_one(fraction / threshold) }
         } else {
             let index = bucket.alias as usize;

@@ -39,15 +39,17 @@ impl Spectrum {
     }
 
     /// `f` of each lane.
-    #[inline]
+    #[inline(always)]
     pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
-        Self(self.0.map(f))
+        let [a, b, c, d] = self.0;
+        Self([f(a), f(b), f(c), f(d)])
     }
 
     /// `f` of each pair of lanes.
-    #[inline]
+    #[inline(always)]
     pub fn zip(self, o: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        Self(std::array::from_fn(|i| f(self.0[i], o.0[i])))
+        let ([a, b, c, d], [p, q, r, s]) = (self.0, o.0);
+        Self([f(a, p), f(b, q), f(c, r), f(d, s)])
     }
 
     /// Square root of each lane.

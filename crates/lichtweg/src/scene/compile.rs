@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::description::{
     Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
-    Mesh, ShapeDescription, SpectrumDescription,
+    Mesh, ShapeDescription, SpectrumDescription, TextureInput,
 };
 use super::surface::{Form, MeshForm, QuadricForm};
 use super::{MaterialArena, Scene, Shape};
@@ -199,7 +199,7 @@ fn geometry(form: &Form) -> Geometry {
 }
 
 fn add_shape(
-    form: Form,
+    mut form: Form,
     source: &ShapeDescription,
     materials: &MaterialArena,
     textures: &TextureArena,
@@ -216,6 +216,14 @@ fn add_shape(
         lights.push(Light::Area(light));
         lights.len() as u32 - 1
     });
+    let emission_uses_coordinates = light.is_some()
+        && source.emission.as_ref().is_some_and(|e| matches!(e.radiance, TextureInput::Texture(_)));
+    if let Form::Mesh(mesh) = &mut form
+        && !emission_uses_coordinates
+        && !materials.uses_coordinates(material)
+    {
+        mesh.forget_coordinates();
+    }
     shapes.push(Shape { form, material, light, has_holes: materials.has_holes(material) });
 }
 

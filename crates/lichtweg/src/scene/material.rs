@@ -121,6 +121,28 @@ impl MaterialArena {
         }
     }
 
+    /// Whether what a material scatters depends on the surface coordinates or their directions.
+    pub fn uses_coordinates(&self, material: u32) -> bool {
+        let textured = |inputs: &[Input]| inputs.iter().any(|i| matches!(i, Input::Texture(_)));
+        let material = &self.materials[material as usize];
+        material.is_anisotropic()
+            || match material {
+                Material::Diffuse { reflectance } => textured(&[*reflectance]),
+                Material::Dielectric { reflectance, transmittance, .. }
+                | Material::ThinDielectric { reflectance, transmittance, .. } => {
+                    textured(&[*reflectance, *transmittance])
+                }
+                Material::Conductor { eta, k, reflectance, .. } => textured(&[*eta, *k, *reflectance]),
+                Material::SmoothPlastic { diffuse, specular, .. }
+                | Material::RoughPlastic { diffuse, specular, .. } => textured(&[*diffuse, *specular]),
+                Material::TwoSided { front, back } => {
+                    self.uses_coordinates(*front) || self.uses_coordinates(*back)
+                }
+                Material::Mask { opacity, nested } => textured(&[*opacity]) || self.uses_coordinates(*nested),
+                Material::Bump { .. } | Material::NormalMap { .. } => true,
+            }
+    }
+
     /// The probability in [0, 1] that the surface is there.
     pub fn opacity(&self, material: u32, point: &SurfacePoint, wo: Vec3, textures: &TextureArena) -> f32 {
         match &self.materials[material as usize] {

@@ -97,6 +97,11 @@ impl MeshForm {
         Self { positions, triangles, facets, normals, uvs }
     }
 
+    /// Forgets the texture coordinates, which nothing looks at.
+    pub fn forget_coordinates(&mut self) {
+        self.uvs = Vec::new();
+    }
+
     /// Area of a triangle; a triangle that the ray engine drops, because it has none, has none here.
     pub fn area(&self, primitive: u32) -> f32 {
         let facet = &self.facets[primitive as usize];
