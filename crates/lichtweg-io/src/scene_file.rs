@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use lichtweg::scene::description::{Description, Diagnostic, Diagnostics, SourceMap};
 
@@ -83,12 +82,7 @@ pub fn read_scene(
             };
             match format {
                 Format::Mitsuba => mitsuba::read(path, options, sources, diagnostics, report),
-                Format::Pbrt => {
-                    let start = Instant::now();
-                    let description = pbrt::read(path, options, sources, diagnostics);
-                    report.total_seconds = start.elapsed().as_secs_f64();
-                    description
-                }
+                Format::Pbrt => pbrt::read(path, options, sources, diagnostics, report),
             }
         }
     }

@@ -1,12 +1,12 @@
 //! What the pbrt reader says about bad files, one snapshot a file, and that it reads real scenes in silence.
 //!
-//! The files are in `tests/bad/pbrt` of the repository.
+//! The files are in `tests/bad/pbrt`.
 
 use std::path::{Path, PathBuf};
 
 use lichtweg::scene::description::{Description, Diagnostics, Severity, SourceMap};
 use lichtweg_io::diagnostics::render;
-use lichtweg_io::options::ReadOptions;
+use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::pbrt;
 
 fn repository() -> PathBuf {
@@ -14,7 +14,7 @@ fn repository() -> PathBuf {
 }
 
 fn corpus() -> Vec<PathBuf> {
-    let directory = repository().join("tests/bad/pbrt");
+    let directory = repository().join("crates/lichtweg-io/tests/bad/pbrt");
     let mut files: Vec<PathBuf> = std::fs::read_dir(directory)
         .unwrap()
         .map(|entry| entry.unwrap().path())
@@ -27,7 +27,8 @@ fn corpus() -> Vec<PathBuf> {
 fn read(path: &Path, lenient: bool) -> (Option<Description>, Diagnostics, SourceMap) {
     let mut sources = SourceMap::default();
     let mut diagnostics = Diagnostics::new(lenient);
-    let scene = pbrt::read(path, &ReadOptions::default(), &mut sources, &mut diagnostics);
+    let scene =
+        pbrt::read(path, &ReadOptions::default(), &mut sources, &mut diagnostics, &mut LoadReport::default());
     (scene, diagnostics, sources)
 }
 
@@ -50,7 +51,7 @@ fn findings_of_bad_files() {
 
 #[test]
 fn lenient_reading_names_the_substitutes() {
-    let path = repository().join("tests/bad/pbrt/unsupported.pbrt");
+    let path = repository().join("crates/lichtweg-io/tests/bad/pbrt/unsupported.pbrt");
     insta::assert_snapshot!("pbrt_unsupported_lenient", rendered(&path, true));
     let (scene, diagnostics, _) = read(&path, true);
     assert!(scene.is_some_and(|s| s.shapes.len() == 2));

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lichtweg::scene::description::{Diagnostics, SourceMap};
-use lichtweg_io::options::ReadOptions;
+use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::pbrt;
 
 /// SplitMix64 (Steele et al. 2014).
@@ -84,7 +84,7 @@ fn mutate(text: &mut Vec<u8>, other: &[u8], random: &mut Random) {
 }
 
 fn seeds() -> Vec<Vec<u8>> {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/bad/pbrt");
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/pbrt");
     let mut files: Vec<_> = std::fs::read_dir(directory).unwrap().map(|e| e.unwrap().path()).collect();
     files.sort();
     let mut seeds: Vec<Vec<u8>> = files.iter().filter_map(|f| std::fs::read(f).ok()).collect();
@@ -109,7 +109,15 @@ fn mutated_scenes_are_survived() {
         let options = ReadOptions::default();
         // No file is there to be found.
         let directory = Path::new("/nonexistent");
-        let scene = pbrt::read_str(&text, "fuzz.pbrt", directory, &options, &mut sources, &mut diagnostics);
+        let scene = pbrt::read_str(
+            &text,
+            "fuzz.pbrt",
+            directory,
+            &options,
+            &mut sources,
+            &mut diagnostics,
+            &mut LoadReport::default(),
+        );
         assert_eq!(scene.is_some(), !diagnostics.has_errors(), "{text}");
         for (span, _) in diagnostics.list.iter().filter_map(|d| d.label.as_ref()) {
             let source = &sources.file(span.file).text;

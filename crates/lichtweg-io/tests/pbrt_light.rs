@@ -9,7 +9,7 @@ use lichtweg::scene::description::{
     Severity, SourceMap, SpectrumDescription, TextureInput, TextureKind, WrapMode,
 };
 use lichtweg_io::diagnostics::render;
-use lichtweg_io::options::ReadOptions;
+use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::pbrt;
 use lichtweg_ray::math::Vec3;
 
@@ -17,8 +17,15 @@ fn read_in(directory: &Path, world: &str) -> Description {
     let mut sources = SourceMap::default();
     let mut diagnostics = Diagnostics::new(false);
     let text = format!("WorldBegin\n{world}");
-    let scene =
-        pbrt::read_str(&text, "a.pbrt", directory, &ReadOptions::default(), &mut sources, &mut diagnostics);
+    let scene = pbrt::read_str(
+        &text,
+        "a.pbrt",
+        directory,
+        &ReadOptions::default(),
+        &mut sources,
+        &mut diagnostics,
+        &mut LoadReport::default(),
+    );
     let silent = diagnostics.list.iter().all(|d| d.severity == Severity::Note);
     assert!(silent, "{}", render(&diagnostics, &sources, false));
     scene.unwrap()

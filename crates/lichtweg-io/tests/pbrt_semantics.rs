@@ -8,7 +8,7 @@ use lichtweg::scene::description::{
     LightStrategy, MaterialKind, Severity, SourceMap, SpectrumDescription, TextureInput,
 };
 use lichtweg_io::diagnostics::render;
-use lichtweg_io::options::ReadOptions;
+use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::pbrt;
 use lichtweg_montecarlo::SamplerKind;
 use lichtweg_ray::math::{Affine, Vec3};
@@ -19,8 +19,15 @@ fn read(options: &str, world: &str) -> Description {
     let mut diagnostics = Diagnostics::new(false);
     let text = format!("{options}\nWorldBegin\n{world}");
     let directory = Path::new("/nonexistent");
-    let scene =
-        pbrt::read_str(&text, "a.pbrt", directory, &ReadOptions::default(), &mut sources, &mut diagnostics);
+    let scene = pbrt::read_str(
+        &text,
+        "a.pbrt",
+        directory,
+        &ReadOptions::default(),
+        &mut sources,
+        &mut diagnostics,
+        &mut LoadReport::default(),
+    );
     let silent = diagnostics.list.iter().all(|d| d.severity == Severity::Note);
     assert!(silent, "{}", render(&diagnostics, &sources, false));
     scene.unwrap()
@@ -287,7 +294,13 @@ fn everything_is_read_in_silence() {
     let mut sources = SourceMap::default();
     let mut diagnostics = Diagnostics::new(false);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pbrt_everything.pbrt");
-    let scene = pbrt::read(&path, &ReadOptions::default(), &mut sources, &mut diagnostics);
+    let scene = pbrt::read(
+        &path,
+        &ReadOptions::default(),
+        &mut sources,
+        &mut diagnostics,
+        &mut LoadReport::default(),
+    );
     assert!(diagnostics.list.is_empty(), "{}", render(&diagnostics, &sources, false));
     let scene = scene.unwrap();
     assert_eq!((scene.shapes.len(), scene.lights.len()), (9, 4));

@@ -10,7 +10,7 @@
 mod shared;
 
 use lichtweg_montecarlo::hypothesis::{sidak, z_test};
-use shared::{Estimate, Reference, render, shared_folder};
+use shared::{Estimate, Reference, read_pbrt_text, render, render_description, shared_folder};
 
 /// Side of a block in pixels.
 const BLOCK: usize = 4;
@@ -94,4 +94,38 @@ fn veach_bidir_agrees() {
 #[test]
 fn veach_ajar_agrees() {
     check("veach-ajar", 256, None);
+}
+
+/// The pbrt file of the Cornell box differs from the XML one in its view and its lights; with those made equal, in the text, it
+/// must give the same image.
+#[test]
+fn cornell_box_in_pbrt_agrees() {
+    let Some(folder) = shared_folder() else { return };
+    let reference = Reference::read(&folder, "cornell-box");
+    let file = folder.join("scenes/cornell-box/scene-v4.pbrt");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let (walls, _lights) =
+        text.split_once("AttributeBegin").expect("the file's lights are in attribute blocks");
+    let light = r#"
+        AttributeBegin
+        AreaLightSource "diffuse" "rgb L" [ 17 12 4 ]
+        NamedMaterial "Light"
+        Shape "trianglemesh"
+            "point3 P" [ -0.24 1.98 -0.22 0.23 1.98 -0.22 0.23 1.98 0.16 -0.24 1.98 0.16 ]
+            "normal N" [ 0 -1 0 0 -1 0 0 -1 0 0 -1 0 ]
+            "integer indices" [ 0 1 2 0 2 3 ]
+        AttributeEnd
+        "#;
+    let field_of_view = r#""float fov" [ 20 ]"#;
+    assert!(walls.contains(field_of_view));
+    let same_view = walls.replace(field_of_view, r#""float fov" [ 19.5 ]"#);
+    let render = |text: &str| {
+        let description = read_pbrt_text(text, &file);
+        render_description(description, reference.estimate.size, 256, reference.max_depth)
+    };
+    let verdict = compare(&render(&(same_view + light)), &reference.estimate);
+    println!("cornell-box in pbrt: {verdict:?}");
+    assert!(verdict.passes(), "{verdict:?}");
+    let verdict = compare(&render(&(walls.to_owned() + light)), &reference.estimate);
+    assert!(!verdict.passes(), "the wider view passes, and should not: {verdict:?}");
 }

@@ -25,7 +25,7 @@ fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
         let (a, b, c) = (random.point(), random.point() * 0.1, random.point() * 0.1);
         let snap = |p: Vec3| Vec3::from_array(p.to_array().map(|x| (x * 8.0).round() / 8.0));
         let corners = [a, a + b, a + c];
-        positions.extend(if i % 3 == 0 { corners.map(snap) } else { corners });
+        positions.extend(if i.is_multiple_of(3) { corners.map(snap) } else { corners });
     }
     let indices: Vec<[u32; 3]> = (0..triangles as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let mut all = vec![TriangleMesh::new(positions, indices).into()];
@@ -45,7 +45,7 @@ fn ray(random: &mut Random, i: usize) -> Ray {
         1 => direction[i / 4 % 3] = 0.0,
         _ => {}
     }
-    Ray::new(origin, direction).between(0.0, if i % 5 == 0 { 0.7 } else { f32::INFINITY })
+    Ray::new(origin, direction).between(0.0, if i.is_multiple_of(5) { 0.7 } else { f32::INFINITY })
 }
 
 #[test]

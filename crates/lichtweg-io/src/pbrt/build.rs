@@ -11,6 +11,7 @@ use super::material::MaskKey;
 use super::report::Report;
 use super::state::{MaterialStatement, Statements};
 use super::{camera, film, light, material, sampling, shape, texture};
+use crate::options::LoadReport;
 
 /// The description under construction, and what its parts are called in the file.
 pub(super) struct Builder<'d> {
@@ -43,9 +44,9 @@ pub(super) fn build(
     mut statements: Statements,
     name: String,
     directory: PathBuf,
+    files: Files,
     report: Report,
 ) -> Description {
-    let files = load_files(&statements, &directory);
     let mut builder = Builder {
         report,
         scene: Description { name, ..Description::default() },
@@ -78,7 +79,7 @@ pub(super) fn build(
 }
 
 /// Loads every file that the statements name, before any is interpreted.
-fn load_files(statements: &Statements, directory: &Path) -> Files {
+pub(super) fn load_files(statements: &Statements, directory: &Path, report: &mut LoadReport) -> Files {
     let path = |name: &str| directory.join(name);
     let meshes = statements
         .all_shapes()
@@ -90,5 +91,5 @@ fn load_files(statements: &Statements, directory: &Path) -> Files {
     let lights = statements.lights.iter().filter(|l| l.entity.kind == "infinite");
     let lights = lights.filter_map(|l| l.entity.params.peek_string("filename"));
     let images = textures.chain(normal_maps).chain(lights);
-    Files::load(meshes.map(path).collect(), images.map(path).collect())
+    Files::load(meshes.map(path).collect(), images.map(path).collect(), report)
 }

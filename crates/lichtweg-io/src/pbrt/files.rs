@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use lichtweg::scene::description::{Diagnostic, Image, Mesh};
 use rayon::prelude::*;
@@ -14,6 +15,7 @@ use super::source_file::{has_extension, read_bytes};
 use super::winding;
 use crate::image::read_image;
 use crate::mesh;
+use crate::options::LoadReport;
 
 /// Packed files may not unpack to more.
 const MOST_UNPACKED: u64 = 16 << 30;
@@ -41,9 +43,12 @@ impl<T> Default for Table<T> {
 }
 
 impl Files {
-    /// Loads all files of two lists, which may repeat themselves.
-    pub fn load(meshes: Vec<PathBuf>, images: Vec<PathBuf>) -> Self {
-        let (meshes, images) = rayon::join(|| load_all(meshes, load_mesh), || load_all(images, load_image));
+    /// Loads all files of two lists, which may repeat themselves, and adds up the time that takes.
+    pub fn load(meshes: Vec<PathBuf>, images: Vec<PathBuf>, report: &mut LoadReport) -> Self {
+        let ((meshes, mesh_seconds), (images, image_seconds)) =
+            rayon::join(|| load_all(meshes, load_mesh), || load_all(images, load_image));
+        report.mesh_seconds += mesh_seconds;
+        report.image_seconds += image_seconds;
         Self {
             meshes: Table { loaded: meshes, told: HashSet::new() },
             images: Table { loaded: images, told: HashSet::new() },
@@ -97,10 +102,16 @@ impl<T> Table<T> {
 fn load_all<T: Send + Sync>(
     mut paths: Vec<PathBuf>,
     load: impl Fn(&Path) -> Loaded<T> + Sync,
-) -> HashMap<PathBuf, Loaded<T>> {
+) -> (HashMap<PathBuf, Loaded<T>>, f64) {
     unique(&mut paths);
+    let timed = |path: PathBuf| {
+        let start = Instant::now();
+        let loaded = load(&path);
+        ((path, loaded), start.elapsed().as_secs_f64())
+    };
     // Files differ in size by orders of magnitude: let idle threads take them one by one.
-    paths.into_par_iter().with_max_len(1).map(|path| (path.clone(), load(&path))).collect()
+    let (files, seconds): (Vec<_>, Vec<f64>) = paths.into_par_iter().with_max_len(1).map(timed).unzip();
+    (files.into_iter().collect(), seconds.iter().sum())
 }
 
 fn unique<T: Hash + Eq + Clone>(list: &mut Vec<T>) {

@@ -99,10 +99,13 @@ impl Builder<'_> {
         id
     }
 
-    /// A surface that everything passes through, for lights without a material.
-    pub fn no_surface(&mut self) -> MaterialId {
-        let nested = self.default_material();
-        self.masked(nested, TextureInput::number(0.0))
+    /// A surface that reflects nothing, for lights without a material.
+    pub fn black(&mut self) -> MaterialId {
+        self.add_material(
+            None,
+            &Entity::default(),
+            MaterialKind::Diffuse { reflectance: TextureInput::number(0.0) },
+        )
     }
 
     fn add_material(&mut self, name: Option<&str>, entity: &Entity, kind: MaterialKind) -> MaterialId {

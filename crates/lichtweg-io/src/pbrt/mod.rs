@@ -42,10 +42,11 @@ mod values;
 mod winding;
 
 use std::path::Path;
+use std::time::Instant;
 
 use lichtweg::scene::description::{Description, Diagnostic, Diagnostics, SourceMap};
 
-use crate::options::ReadOptions;
+use crate::options::{LoadReport, ReadOptions};
 use parser::Parser;
 use report::Report;
 
@@ -58,12 +59,13 @@ pub fn read(
     options: &ReadOptions,
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
+    load: &mut LoadReport,
 ) -> Option<Description> {
     let directory = path.parent().unwrap_or(Path::new(""));
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     let name = name.strip_suffix(".pbrt").unwrap_or(name);
-    run(name, directory, options, sources, diagnostics, |parser| parser.parse_path(path, None))
+    run(name, directory, options, sources, diagnostics, load, |parser| parser.parse_path(path, None))
 }
 
 /// Reads a scene from text. Files that it names are looked for relative to `directory`; `name` stands for its path in
@@ -75,9 +77,10 @@ pub fn read_str(
     options: &ReadOptions,
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
+    load: &mut LoadReport,
 ) -> Option<Description> {
     let scene = name.strip_suffix(".pbrt").unwrap_or(name);
-    run(scene, directory, options, sources, diagnostics, |parser| {
+    run(scene, directory, options, sources, diagnostics, load, |parser| {
         let file = parser.sources.add(name, text);
         parser.parse_source(file);
     })
@@ -89,18 +92,26 @@ fn run(
     options: &ReadOptions,
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
+    load: &mut LoadReport,
     parse: impl FnOnce(&mut Parser),
 ) -> Option<Description> {
+    let start = Instant::now();
     let before = diagnostics.list.len();
     let mut report = Report::new(diagnostics);
     for (key, _) in &options.defines {
         let text = format!("pbrt scenes have no variables, so \"{key}\" cannot be defined");
         report.push(Diagnostic::error("unknown-definition", text));
     }
-    let mut parser = Parser::new(sources, report, directory.to_owned());
+    let directory = directory.to_owned();
+    let mut parser = Parser::new(sources, report, directory.clone());
     parse(&mut parser);
     let (statements, report) = parser.finish();
-    let scene = build::build(statements, name.to_owned(), directory.to_owned(), report);
+    let files_start = Instant::now();
+    let files = build::load_files(&statements, &directory, load);
+    let files_seconds = files_start.elapsed().as_secs_f64();
+    let scene = build::build(statements, name.to_owned(), directory, files, report);
+    load.total_seconds = start.elapsed().as_secs_f64();
+    load.parse_seconds = load.total_seconds - files_seconds;
     let failed = diagnostics.list[before..]
         .iter()
         .any(|d| d.severity == lichtweg::scene::description::Severity::Error);

@@ -83,7 +83,11 @@ impl Builder<'_> {
         let to_world = statement.to_world.after(&placement);
         let mut material = match self.chosen_material(&statement.material) {
             Some(material) => material,
-            None if emission.is_some() => self.no_surface(),
+            None if emission.is_some() => {
+                let text = "an emitting shape without a surface (material \"interface\") also hides what is behind it";
+                self.report.push(Diagnostic::warning("opaque-interface", text).at(entity.span, "this shape"));
+                self.black()
+            }
             None => return None,
         };
         if let Some(opacity) = opacity {
@@ -124,6 +128,7 @@ impl Builder<'_> {
                 let text = "invisible area lights (\"alpha\" 0) are not supported";
                 let diagnostic = Diagnostic::error("unsupported", text).at(entity.span, "this shape");
                 self.report.substitute(diagnostic, "the light can be seen");
+                return material;
             }
         }
         self.masked(material, opacity)

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use lichtweg::render::{Job, LayerSelection, Progress, RenderedImage};
 use lichtweg::scene::Scene;
-use lichtweg::scene::description::{Description, Diagnostics, FilterDescription, RouletteDescription, SourceMap};
+use lichtweg::scene::description::{
+    Description, Diagnostics, FilterDescription, RouletteDescription, SourceMap,
+};
 use lichtweg_io::image::read_exr_layers;
 use lichtweg_io::options::{LoadReport, ReadOptions};
 
@@ -65,7 +67,12 @@ impl Reference {
 }
 
 /// Renders a description with the box filter and without roulette, as the references were made.
-pub fn render_description(mut description: Description, size: [usize; 2], samples: u32, max_depth: u32) -> Estimate {
+pub fn render_description(
+    mut description: Description,
+    size: [usize; 2],
+    samples: u32,
+    max_depth: u32,
+) -> Estimate {
     let mut diagnostics = Diagnostics::default();
     description.film.width = size[0] as u32;
     description.film.height = size[1] as u32;
@@ -86,8 +93,31 @@ pub fn render_description(mut description: Description, size: [usize; 2], sample
 pub fn render(file: &Path, reference: &Reference, samples: u32, max_depth: u32) -> Estimate {
     let (mut sources, mut diagnostics) = (SourceMap::default(), Diagnostics::default());
     let options = ReadOptions::default();
-    let description =
-        lichtweg_io::mitsuba::read(file, &options, &mut sources, &mut diagnostics, &mut LoadReport::default());
+    let description = lichtweg_io::mitsuba::read(
+        file,
+        &options,
+        &mut sources,
+        &mut diagnostics,
+        &mut LoadReport::default(),
+    );
     let Some(description) = description else { panic!("{:#?}", diagnostics.list) };
     render_description(description, reference.estimate.size, samples, max_depth)
+}
+
+/// Reads a pbrt scene from a text that stands for `file`.
+pub fn read_pbrt_text(text: &str, file: &Path) -> Description {
+    let (mut sources, mut diagnostics) = (SourceMap::default(), Diagnostics::default());
+    let folder = file.parent().unwrap();
+    let options = ReadOptions::default();
+    let name = file.to_string_lossy();
+    let description = lichtweg_io::pbrt::read_str(
+        text,
+        &name,
+        folder,
+        &options,
+        &mut sources,
+        &mut diagnostics,
+        &mut LoadReport::default(),
+    );
+    description.unwrap_or_else(|| panic!("{:#?}", diagnostics.list))
 }

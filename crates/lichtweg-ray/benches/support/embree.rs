@@ -1,7 +1,7 @@
 //! Just enough of Embree 4's C interface, opened at run time, to measure against.
 
 use std::ffi::{c_char, c_void};
-use std::ptr::{null, null_mut};
+use std::ptr::null;
 
 use libloading::Library;
 use lichtweg_ray::Ray;
@@ -145,7 +145,6 @@ impl Embree {
 }
 
 unsafe fn symbol<T: Copy>(library: &'static Library, name: &str) -> T {
-    let _: *mut () = null_mut();
     // SAFETY: the caller states the right type.
     unsafe { *library.get::<T>(name.as_bytes()).expect("a symbol of Embree 4") }
 }

@@ -15,7 +15,9 @@ pub struct Rays {
 /// Our structure over a scene.
 pub fn accel(scene: &Scene) -> Accel {
     let mesh = TriangleMesh::new(scene.positions.clone(), scene.indices.clone());
-    Accel::build(vec![Geometry::Triangles(mesh)], Default::default()).expect("a sound scene")
+    let mut geometries = vec![Geometry::Triangles(mesh)];
+    geometries.extend(scene.balls.iter().map(|&b| b.into()));
+    Accel::build(geometries, Default::default()).expect("a sound scene")
 }
 
 /// Primary rays in scanline order, one cosine bounce from each hit (in the same order and shuffled),
@@ -38,12 +40,17 @@ pub fn sets(scene: &Scene, accel: &Accel, side: u32) -> Vec<Rays> {
     let (mut bounce, mut shadow, mut around) = (Vec::new(), Vec::new(), Vec::new());
     for ray in &primary {
         let Some(hit) = accel.closest(ray) else { continue };
-        let [a, b, c] = scene.indices[hit.primitive as usize].map(|i| scene.positions[i as usize]);
-        let mut n = (b - a).cross(c - a).normalized();
+        let p = ray.at(hit.t);
+        let mut n = if hit.geometry == 0 {
+            let [a, b, c] = scene.indices[hit.primitive as usize].map(|i| scene.positions[i as usize]);
+            (b - a).cross(c - a).normalized()
+        } else {
+            let to_world = scene.balls[hit.geometry as usize - 1].object_to_world;
+            (p - to_world.point(Vec3::ZERO)).normalized()
+        };
         if n.dot(ray.direction) > 0.0 {
             n = -n;
         }
-        let p = ray.at(hit.t);
         bounce.push(Ray::new(p, random.cosine(n)).between(epsilon, f32::INFINITY));
         shadow.push(Ray::new(p, scene.light - p).between(1e-4, 0.9999));
         around.push(Ray::new(p, random.cosine(n)).between(epsilon, 0.2 * reach));

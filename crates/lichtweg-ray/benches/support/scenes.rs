@@ -1,6 +1,7 @@
 //! Generated scenes.
 
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Affine, Vec3};
+use lichtweg_ray::{Quadric, QuadricShape};
 
 use super::random::Random;
 
@@ -9,6 +10,7 @@ pub struct Scene {
     pub name: &'static str,
     pub positions: Vec<Vec3>,
     pub indices: Vec<[u32; 3]>,
+    pub balls: Vec<Quadric>,
     pub eye: Vec3,
     pub target: Vec3,
     pub light: Vec3,
@@ -44,6 +46,7 @@ pub fn displaced_sphere(n: u32) -> Scene {
         name: "displaced sphere",
         positions,
         indices,
+        balls: Vec::new(),
         eye: Vec3::new(1.2, 2.0, 1.5),
         target: Vec3::ZERO,
         light: Vec3::new(-1.0, 3.0, 4.0),
@@ -52,7 +55,7 @@ pub fn displaced_sphere(n: u32) -> Scene {
 
 impl Scene {
     fn empty(name: &'static str, eye: Vec3, target: Vec3, light: Vec3) -> Self {
-        Self { name, positions: Vec::new(), indices: Vec::new(), eye, target, light }
+        Self { name, positions: Vec::new(), indices: Vec::new(), balls: Vec::new(), eye, target, light }
     }
 
     fn quad(&mut self, corner: Vec3, u: Vec3, v: Vec3) {
@@ -98,6 +101,17 @@ pub fn box_room() -> Scene {
         Vec3::new(0.0, 0.3, 0.0),
         Vec3::new(0.09, 0.0, 0.28),
     );
+    s
+}
+
+/// The box room with three spheres.
+pub fn box_room_with_balls() -> Scene {
+    let mut s = box_room();
+    s.name = "box room with balls";
+    for (x, y, z, r) in [(0.3, 0.7, 0.3, 0.1), (0.7, 0.4, 0.6, 0.1), (0.3, 0.1, 0.75, 0.1)] {
+        let object_to_world = Affine::translation(x, y, z).after(&Affine::scaling(r, r, r));
+        s.balls.push(Quadric { shape: QuadricShape::SPHERE, object_to_world });
+    }
     s
 }
 

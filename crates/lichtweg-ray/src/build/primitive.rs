@@ -176,7 +176,6 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
 
 fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> (Vec3, Vec3) {
     let margin = (hi - lo).max_element() * (3.0 * 2.0_f32.powi(-23));
-    let step = 0.51 * f32::EPSILON;
-    let outwards = |p: Vec3| p.abs() * step + Vec3::splat(margin);
+    let outwards = |p: Vec3| p.abs() * (0.51 * f32::EPSILON) + Vec3::splat(margin);
     (lo - outwards(lo), hi + outwards(hi))
 }

@@ -297,9 +297,9 @@ fn fetch(bvh: &Bvh, c: ChildRef) {
         let leaf = c.is_leaf();
         let start = if leaf { bvh.blocks.as_ptr().cast::<i8>() } else { bvh.nodes.as_ptr().cast() };
         let index = (c.0 & 0x7ff_ffff) as usize;
-        let extra = if leaf { 64 } else { 0 };
-        let start = start.wrapping_add(index * 256).wrapping_add(index * extra);
-        for line in [0, 64, 128, 192, 192 + extra] {
+        let extra = if leaf { usize::MAX } else { 0 };
+        let start = start.wrapping_add(index * 256).wrapping_add(index << 6 & extra);
+        for line in [0, 64, 128, 192, 192 + (64 & extra)] {
             // SAFETY: a prefetch may name any address.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line)) };
         }
