@@ -26,6 +26,8 @@ import shlex
 import sys
 from pathlib import Path
 
+sys.dont_write_bytecode = True  # No __pycache__ in the source tree.
+
 import peers
 import report
 

@@ -141,8 +141,8 @@ impl Record<'_> {
         let (mean, error) = self.rendering.image.mean();
         let [r, g, b] = std::array::from_fn(|i| with_error(mean[i], error[i]));
         format!(
-            "{} samples per pixel in {}: {} paths, {} rays, {:.2} Mrays/s\nmean radiance {r}, {g}, {b} (R, G, B)",
-            text::count(statistics.samples_per_pixel.into()),
+            "{} per pixel in {}: {} paths, {} rays, {:.2} Mrays/s\nmean radiance {r}, {g}, {b} (R, G, B)",
+            text::plural(statistics.samples_per_pixel.into(), "sample"),
             text::seconds(statistics.seconds),
             text::count(statistics.paths),
             text::count(self.rays()),

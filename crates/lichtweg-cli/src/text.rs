@@ -13,10 +13,11 @@ pub fn count(number: u64) -> String {
     out
 }
 
-/// A duration: `0.053 s`, `12.3 s`, `3 min 20 s`, `2 h 05 min`.
+/// A duration: `53.40 ms`, `0.534 s`, `12.3 s`, `3 min 20 s`, `2 h 05 min`.
 pub fn seconds(seconds: f64) -> String {
     let whole = seconds.round().min(1e12) as u64;
     match whole {
+        0..1 if seconds < 0.1 => format!("{:.2} ms", seconds * 1e3),
         0..1 => format!("{seconds:.3} s"),
         1..10 => format!("{seconds:.2} s"),
         10..120 => format!("{seconds:.1} s"),
@@ -75,7 +76,8 @@ mod tests {
 
     #[test]
     fn durations_and_sizes() {
-        assert_eq!(seconds(0.0534), "0.053 s");
+        assert_eq!(seconds(0.0534), "53.40 ms");
+        assert_eq!(seconds(0.2), "0.200 s");
         assert_eq!(seconds(12.34), "12.3 s");
         assert_eq!(seconds(200.0), "3 min 20 s");
         assert_eq!(seconds(7500.0), "2 h 05 min");

@@ -41,7 +41,7 @@ pub struct RoughConductor {
 
 impl RoughConductor {
     /// See [`Bsdf::eval_pdf`](super::Bsdf::eval_pdf).
-    #[inline]
+    #[inline(never)]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Spectrum::ZERO, 0.0);
@@ -57,7 +57,7 @@ impl RoughConductor {
     }
 
     /// See [`Bsdf::sample`](super::Bsdf::sample).
-    #[inline]
+    #[inline(never)]
     pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;

@@ -6,6 +6,9 @@
 //! [`Bsdf::eval`] is f(wo, wi) |cos wi|, [`Bsdf::pdf`] the density with which [`Bsdf::sample`] proposes wi, and a sample's
 //! weight is their quotient.
 //!
+//! The rough models are kept out of line: the walk's own code stays small enough for its registers, and a call is little
+//! beside what they compute.
+//!
 //! Delta lobes (mirrors, smooth glass) exist for `sample` alone: `eval` and `pdf` are zero there, and the sample says
 //! [`BsdfSample::delta`].
 //!

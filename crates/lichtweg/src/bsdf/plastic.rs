@@ -78,7 +78,7 @@ impl SmoothPlastic {
     }
 
     /// See [`Bsdf::eval_pdf`](super::Bsdf::eval_pdf); the specular part is a delta lobe.
-    #[inline]
+    #[inline(never)]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Spectrum::ZERO, 0.0);
@@ -92,7 +92,7 @@ impl SmoothPlastic {
     }
 
     /// See [`Bsdf::sample`](super::Bsdf::sample).
-    #[inline]
+    #[inline(never)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
@@ -140,7 +140,7 @@ impl<'a> RoughPlastic<'a> {
     }
 
     /// See [`Bsdf::eval_pdf`](super::Bsdf::eval_pdf).
-    #[inline]
+    #[inline(never)]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Spectrum::ZERO, 0.0);
@@ -165,7 +165,7 @@ impl<'a> RoughPlastic<'a> {
     }
 
     /// See [`Bsdf::sample`](super::Bsdf::sample).
-    #[inline]
+    #[inline(never)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;

@@ -45,7 +45,7 @@ impl RoughDielectric {
     }
 
     /// See [`Bsdf::eval_pdf`](super::Bsdf::eval_pdf).
-    #[inline]
+    #[inline(never)]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, mode: Mode) -> (Spectrum, f32) {
         const NONE: (Spectrum, f32) = (Spectrum::ZERO, 0.0);
         if wo.z == 0.0 || wi.z == 0.0 || self.is_matched() {
@@ -76,7 +76,7 @@ impl RoughDielectric {
     }
 
     /// See [`Bsdf::sample`](super::Bsdf::sample).
-    #[inline]
+    #[inline(never)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], mode: Mode) -> Option<BsdfSample> {
         if self.is_matched() {
             return Some(BsdfSample::straight(wo, self.specular_transmittance, 1.0));

@@ -119,14 +119,19 @@ impl AreaLight {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample_point(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
+        if let (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) = (&self.sampling, form) {
+            let pick = table.sample(u[0]);
+            let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
+            return Some((mesh.point(self.shape, pick.index as u32, b, c), Measure::Area(1.0 / area)));
+        }
+        self.sample_quadric(from, u, form)
+    }
+
+    #[inline(never)]
+    fn sample_quadric(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
         let quadric = match (&self.sampling, form) {
-            (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) => {
-                let pick = table.sample(u[0]);
-                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
-                return Some((mesh.point(self.shape, pick.index as u32, b, c), Measure::Area(1.0 / area)));
-            }
             (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
                 if let Some(cone) = cone(*center, *radius, from) {
                     let point = self.point_in_cone(&cone, *center, *radius, u, quadric);

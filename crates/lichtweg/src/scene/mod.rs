@@ -112,20 +112,38 @@ impl Scene {
         &self,
         ray: &Ray,
         counts: &mut RayCounts,
+        u: impl FnMut() -> f32,
+    ) -> Option<SurfacePoint> {
+        counts.closest += 1;
+        let hit = self.accel.closest(ray)?;
+        let shape = &self.shapes[hit.geometry as usize];
+        let point = shape.form.hit_point(ray, &hit);
+        if shape.has_holes {
+            return self.intersect_behind_holes(ray, point, hit.t, counts, u);
+        }
+        Some(point)
+    }
+
+    /// Goes on from a point on a surface with holes: `point`, at `t` along `ray`.
+    #[cold]
+    fn intersect_behind_holes(
+        &self,
+        ray: &Ray,
+        mut point: SurfacePoint,
+        mut t: f32,
+        counts: &mut RayCounts,
         mut u: impl FnMut() -> f32,
     ) -> Option<SurfacePoint> {
         let mut ray = *ray;
-        for _ in 0..=MAX_HOLES {
-            counts.closest += 1;
-            let hit = self.accel.closest(&ray)?;
-            let shape = &self.shapes[hit.geometry as usize];
-            let point = shape.form.hit_point(|| ray.at(hit.t), &hit);
-            if !shape.has_holes || u() < self.opacity(shape, &point, -ray.direction) {
+        for _ in 0..MAX_HOLES {
+            if u() < self.opacity_at(&point, -ray.direction) {
                 return Some(point);
             }
-            ray.tfar -= hit.t;
-            ray.tnear = 0.0;
-            ray.origin = point.leave(ray.direction);
+            ray = behind(&ray, &point, t);
+            counts.closest += 1;
+            let hit = self.accel.closest(&ray)?;
+            point = self.form(hit.geometry).hit_point(&ray, &hit);
+            t = hit.t;
         }
         None
     }
@@ -151,15 +169,12 @@ impl Scene {
             if !shape.has_holes {
                 return 0.0;
             }
-            let point = shape.form.hit_point(|| ray.at(hit.t), &hit);
-            transmittance *= 1.0 - self.opacity(shape, &point, -ray.direction);
+            let point = shape.form.hit_point(&ray, &hit);
+            transmittance *= 1.0 - self.opacity_at(&point, -ray.direction);
             if transmittance == 0.0 {
                 return 0.0;
             }
-            // The end of the ray stays where it is.
-            ray.tfar -= hit.t;
-            ray.tnear = 0.0;
-            ray.origin = point.leave(ray.direction);
+            ray = behind(&ray, &point, hit.t);
         }
         0.0
     }
@@ -168,11 +183,7 @@ impl Scene {
     #[inline]
     pub fn opacity_at(&self, point: &SurfacePoint, wo: Vec3) -> f32 {
         let shape = &self.shapes[point.shape as usize];
-        if shape.has_holes { self.opacity(shape, point, wo) } else { 1.0 }
-    }
-
-    fn opacity(&self, shape: &Shape, point: &SurfacePoint, wo: Vec3) -> f32 {
-        self.materials.opacity(shape.material, point, wo, &self.textures)
+        if shape.has_holes { self.materials.opacity(shape.material, point, wo, &self.textures) } else { 1.0 }
     }
 
     /// What scatters at a point that is looked at from the direction `wo`.
@@ -206,4 +217,9 @@ impl Scene {
     pub fn environment_radiance(&self, direction: Vec3) -> Spectrum {
         self.environments().fold(Spectrum::ZERO, |sum, (_, e)| sum + e.radiance(direction))
     }
+}
+
+/// The rest of a ray behind the point at `t` along it; its end stays where it is.
+fn behind(ray: &Ray, point: &SurfacePoint, t: f32) -> Ray {
+    Ray { origin: point.leave(ray.direction), tnear: 0.0, tfar: ray.tfar - t, ..*ray }
 }

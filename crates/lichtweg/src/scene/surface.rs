@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Vec2, Vec3};
-use lichtweg_ray::{Hit, QuadricShape};
+use lichtweg_ray::{Hit, QuadricShape, Ray};
 
 use super::offset::{offset, position_error};
 
@@ -109,36 +109,33 @@ impl MeshForm {
     }
 
     /// The point (1 - u - v) a + u b + v c of a triangle.
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, shape: u32, primitive: u32, u: f32, v: f32) -> SurfacePoint {
         let facet = &self.facets[primitive as usize];
-        let mut point = SurfacePoint {
+        let shading_normal =
+            if self.normals.is_empty() { facet.normal } else { self.normal(primitive, u, v, facet.normal) };
+        let uv = if self.uvs.is_empty() { Vec2::new(u + v, v) } else { self.coordinates(primitive, u, v) };
+        SurfacePoint {
             position: facet.corner + facet.edges[0] * u + facet.edges[1] * v,
             error: facet.error,
             geometric_normal: facet.normal,
-            shading_normal: facet.normal,
-            uv: Vec2::new(u + v, v),
+            shading_normal,
+            uv,
             shape,
             primitive,
-        };
-        if !self.normals.is_empty() || !self.uvs.is_empty() {
-            self.interpolate(&mut point, u, v);
         }
-        point
     }
 
-    fn interpolate(&self, point: &mut SurfacePoint, u: f32, v: f32) {
-        let corners = self.triangles[point.primitive as usize].map(|i| i as usize);
-        let w = 1.0 - u - v;
-        if !self.normals.is_empty() {
-            let [a, b, c] = corners.map(|i| self.normals[i]);
-            let normal = (a * w + b * u + c * v).try_normalized();
-            point.shading_normal = normal.unwrap_or(point.geometric_normal);
-        }
-        if !self.uvs.is_empty() {
-            let [a, b, c] = corners.map(|i| self.uvs[i]);
-            point.uv = a * w + b * u + c * v;
-        }
+    /// The interpolated normal, or the geometric one where that vanishes.
+    fn normal(&self, primitive: u32, u: f32, v: f32, geometric: Vec3) -> Vec3 {
+        let [a, b, c] = self.triangles[primitive as usize].map(|i| self.normals[i as usize]);
+        (a * (1.0 - u - v) + b * u + c * v).try_normalized().unwrap_or(geometric)
+    }
+
+    /// The interpolated texture coordinates.
+    fn coordinates(&self, primitive: u32, u: f32, v: f32) -> Vec2 {
+        let [a, b, c] = self.triangles[primitive as usize].map(|i| self.uvs[i as usize]);
+        a * (1.0 - u - v) + b * u + c * v
     }
 
     /// Derivatives of the position with respect to the surface coordinates, constant over a triangle.
@@ -189,6 +186,7 @@ impl QuadricForm {
     }
 
     /// The point of a hit: `near` it, moved onto the surface.
+    #[inline(never)]
     pub fn point(&self, shape: u32, near: Vec3, uv: Vec2) -> SurfacePoint {
         self.object_point(shape, self.project(self.to_object.point(near)), uv)
     }
@@ -254,11 +252,11 @@ impl QuadricForm {
 
 impl Form {
     /// The point that a ray hit.
-    #[inline]
-    pub fn hit_point(&self, ray_point: impl FnOnce() -> Vec3, hit: &Hit) -> SurfacePoint {
+    #[inline(always)]
+    pub fn hit_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match self {
             Self::Mesh(mesh) => mesh.point(hit.geometry, hit.primitive, hit.u, hit.v),
-            Self::Quadric(quadric) => quadric.point(hit.geometry, ray_point(), Vec2::new(hit.u, hit.v)),
+            Self::Quadric(quadric) => quadric.point(hit.geometry, ray.at(hit.t), Vec2::new(hit.u, hit.v)),
         }
     }
 

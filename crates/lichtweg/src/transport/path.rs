@@ -116,6 +116,9 @@ impl PathTracer {
             let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
             let Some(sample) = scatterer.sample(wo, u_lobe, u, Mode::Radiance) else { break };
             throughput *= sample.weight;
+            if throughput.is_zero() {
+                break;
+            }
             eta *= sample.eta;
             let survival = self.roulette.survival_probability(depth, throughput.max_element() * eta * eta);
             if survival < 1.0 {
