@@ -82,7 +82,8 @@ fn parse() -> Cli {
         let scene = std::env::args_os().nth(1).filter(|word| is_scene(word));
         match scene {
             Some(scene) if error.kind() == ErrorKind::InvalidSubcommand => {
-                let message = format!("no command is given; to render the scene: lichtweg render {}", scene.display());
+                let message =
+                    format!("no command is given; to render the scene: lichtweg render {}", scene.display());
                 Cli::command().error(ErrorKind::InvalidSubcommand, message).exit()
             }
             _ => error.exit(),

@@ -246,6 +246,31 @@ fn half_hidden_disk() {
     }
 }
 
+/// The lecture's penumbra in numbers: a square light of side 1 at height 4, a board at height 1 whose edge is at x = 0. From a
+/// point x of the floor one sees the light beyond -3 x, a rectangle again, so that Lambert's sum knows the ramp.
+#[test]
+fn penumbra_of_a_knife_edge() {
+    let places = [-0.2_f64, -0.1, -0.03, 0.0, 0.08, 0.15, 0.2];
+    for (i, x) in places.into_iter().enumerate() {
+        // The probe stays at the origin, everything else moves.
+        let mut d = probe(128, 20 + i as u64);
+        let black = d.diffuse([0.0; 3]);
+        let light =
+            chain(&[Affine::translation(-x, 4.0, 0.0), facing_down(), Affine::scaling(0.5, 0.5, 1.0)]);
+        d.shape(rectangle(), light, black).emission = glow([3.0; 3]);
+        d.shape(rectangle(), chain(&[Affine::translation(-1.0 - x, 1.0, 0.0), facing_down()]), black);
+        let first = (-3.0 * x).clamp(-0.5, 0.5) - x;
+        let corners = [[first, -0.5], [0.5 - x, -0.5], [0.5 - x, 0.5], [first, 0.5]];
+        let corners = corners.map(|[x, z]| Vec3::new(x as f32, 4.0, z as f32));
+        let expected = if x <= -1.0 / 6.0 { 0.0 } else { 3.0 * lambert(&corners) };
+        let image = render(&d);
+        assert_expectation(&format!("at {x}"), &image, reflected(expected), 2e-4, places.len());
+        // Power: two percent more would be noticed.
+        let off = expectation(&image, reflected(expected * 1.02), 2e-4);
+        assert!(expected == 0.0 || off[0].1.rejects(1e-3), "at {x}: {off:?}");
+    }
+}
+
 /// A light stated by its power of luminance: a sphere of power P gives P / (4 pi d^2) at a distance far from it, and
 /// exactly so at any distance.
 #[test]

@@ -161,7 +161,10 @@ fn even_environments() {
             assert_expectation(&what, &image, reflected(1.5 * PI), 2e-4, 12);
             let off = expectation(&image, reflected(1.5 * PI * 1.01), 2e-4);
             let noisy = estimator == Estimator::Nee;
-            assert!(noisy || off[0].1.rejects(1e-4), "{what} would pass with an error of one percent: {off:?}");
+            assert!(
+                noisy || off[0].1.rejects(1e-4),
+                "{what} would pass with an error of one percent: {off:?}"
+            );
         }
     }
 }

@@ -22,9 +22,8 @@ impl Pixel {
     #[inline]
     pub fn add(&mut self, index: u32, radiance: Spectrum, weight: f32) {
         let odd = index & 1;
-        let values = radiance.to_rgb();
-        for lane in 0..3 {
-            let value = f64::from(values[lane] * weight);
+        for (lane, value) in radiance.to_rgb().into_iter().enumerate() {
+            let value = f64::from(value * weight);
             self.sum[lane] += value;
             self.sum_squares[lane] += value * value;
             self.sum_odd[lane] += f64::from(odd) * value;

@@ -213,7 +213,7 @@ impl Job {
             statistics.dropped += tile.dropped;
             statistics.first_dropped = statistics.first_dropped.or(tile.first_dropped);
         }
-        let image = self.assemble(&tiles);
+        let image = self.assemble(tiles);
         statistics.seconds = start.elapsed().as_secs_f64();
         Ok(Rendering { image, statistics })
     }
@@ -298,7 +298,8 @@ impl Job {
         (self.tracer.radiance(scene, ray, &mut sampler, counts, observer), weight)
     }
 
-    fn assemble(&self, tiles: &[Tile]) -> RenderedImage {
+    /// Copies the tiles into an image, and frees each.
+    fn assemble(&self, tiles: Vec<Tile>) -> RenderedImage {
         let [x0, y0, width, height] = self.window;
         let area = width as usize * height as usize;
         let mut image = RenderedImage {

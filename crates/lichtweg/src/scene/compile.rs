@@ -125,7 +125,9 @@ fn form(shape: &ShapeDescription) -> Result<Form, Diagnostic> {
         if !shape.to_world.is_finite() {
             return Err(singular());
         }
-        QuadricForm::new(form, shape.to_world, shape.flip_normals).map(Form::Quadric).ok_or_else(singular)
+        QuadricForm::new(form, shape.to_world, shape.flip_normals)
+            .map(|form| Form::Quadric(Box::new(form)))
+            .ok_or_else(singular)
     };
     match &shape.geometry {
         GeometryDescription::Mesh(mesh) => {

@@ -19,7 +19,22 @@ use crate::texture::{Input, TextureArena};
 #[derive(Debug, Default)]
 pub struct MaterialArena {
     materials: Vec<Material>,
+    traits: Vec<Traits>,
 }
+
+/// What holds for a material and all that it wraps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Traits {
+    /// Whether a surface of it has holes.
+    has_holes: bool,
+    /// Whether it depends on the surface coordinates or their directions.
+    uses_coordinates: bool,
+    /// Materials on the way to the innermost one.
+    depth: u32,
+}
+
+/// Materials may wrap each other this deep.
+const MAX_DEPTH: u32 = 64;
 
 #[derive(Debug)]
 enum Material {
@@ -94,9 +109,15 @@ impl MaterialArena {
         let mut arena = Self::default();
         for description in descriptions {
             let mut compiler = Compiler { arena: &arena, textures, span: description.span, diagnostics };
-            let grey = Material::Diffuse { reflectance: Input::Constant(Spectrum::splat(0.5)) };
-            let material = compiler.material(&description.kind).unwrap_or(grey);
+            let grey = || Material::Diffuse { reflectance: Input::Constant(Spectrum::splat(0.5)) };
+            let mut material = compiler.material(&description.kind).unwrap_or_else(grey);
+            let mut traits = compiler.arena.traits_of(&material);
+            if traits.depth > MAX_DEPTH {
+                compiler.fault("deep-material", &format!("more than {MAX_DEPTH} materials wrap each other"));
+                (material, traits) = (grey(), Traits::default());
+            }
             arena.materials.push(material);
+            arena.traits.push(traits);
         }
         arena
     }
@@ -113,34 +134,37 @@ impl MaterialArena {
 
     /// Whether a surface of this material has holes.
     pub fn has_holes(&self, material: u32) -> bool {
-        match &self.materials[material as usize] {
-            Material::Mask { .. } => true,
-            Material::TwoSided { front, back } => self.has_holes(*front) || self.has_holes(*back),
-            Material::Bump { nested, .. } | Material::NormalMap { nested, .. } => self.has_holes(*nested),
-            _ => false,
-        }
+        self.traits[material as usize].has_holes
     }
 
     /// Whether what a material scatters depends on the surface coordinates or their directions.
     pub fn uses_coordinates(&self, material: u32) -> bool {
-        let textured = |inputs: &[Input]| inputs.iter().any(|i| matches!(i, Input::Texture(_)));
-        let material = &self.materials[material as usize];
-        material.is_anisotropic()
-            || match material {
-                Material::Diffuse { reflectance } => textured(&[*reflectance]),
-                Material::Dielectric { reflectance, transmittance, .. }
-                | Material::ThinDielectric { reflectance, transmittance, .. } => {
-                    textured(&[*reflectance, *transmittance])
+        self.traits[material as usize].uses_coordinates
+    }
+
+    fn traits_of(&self, material: &Material) -> Traits {
+        let nested = match *material {
+            Material::TwoSided { front, back } => {
+                let (a, b) = (self.traits[front as usize], self.traits[back as usize]);
+                Traits {
+                    has_holes: a.has_holes || b.has_holes,
+                    uses_coordinates: a.uses_coordinates || b.uses_coordinates,
+                    depth: a.depth.max(b.depth) + 1,
                 }
-                Material::Conductor { eta, k, reflectance, .. } => textured(&[*eta, *k, *reflectance]),
-                Material::SmoothPlastic { diffuse, specular, .. }
-                | Material::RoughPlastic { diffuse, specular, .. } => textured(&[*diffuse, *specular]),
-                Material::TwoSided { front, back } => {
-                    self.uses_coordinates(*front) || self.uses_coordinates(*back)
-                }
-                Material::Mask { opacity, nested } => textured(&[*opacity]) || self.uses_coordinates(*nested),
-                Material::Bump { .. } | Material::NormalMap { .. } => true,
             }
+            Material::Mask { nested, .. }
+            | Material::Bump { nested, .. }
+            | Material::NormalMap { nested, .. } => {
+                let inner = self.traits[nested as usize];
+                Traits { depth: inner.depth + 1, ..inner }
+            }
+            _ => Traits::default(),
+        };
+        Traits {
+            has_holes: nested.has_holes || matches!(material, Material::Mask { .. }),
+            uses_coordinates: nested.uses_coordinates || material.uses_coordinates(),
+            ..nested
+        }
     }
 
     /// The probability in [0, 1] that the surface is there.
@@ -251,6 +275,29 @@ impl Tangents<'_> {
 }
 
 impl Material {
+    /// Whether the material itself, whatever it wraps, depends on the surface coordinates or their directions.
+    fn uses_coordinates(&self) -> bool {
+        let textured = |inputs: &[Input]| inputs.iter().any(|i| matches!(i, Input::Texture(_)));
+        match *self {
+            Self::Diffuse { reflectance } => textured(&[reflectance]),
+            Self::Dielectric { reflectance, transmittance, .. } => {
+                self.is_anisotropic() || textured(&[reflectance, transmittance])
+            }
+            Self::ThinDielectric { reflectance, transmittance, .. } => {
+                textured(&[reflectance, transmittance])
+            }
+            Self::Conductor { eta, k, reflectance, .. } => {
+                self.is_anisotropic() || textured(&[eta, k, reflectance])
+            }
+            Self::SmoothPlastic { diffuse, specular, .. } | Self::RoughPlastic { diffuse, specular, .. } => {
+                textured(&[diffuse, specular])
+            }
+            Self::Mask { opacity, .. } => textured(&[opacity]),
+            Self::TwoSided { .. } => false,
+            Self::Bump { .. } | Self::NormalMap { .. } => true,
+        }
+    }
+
     fn is_anisotropic(&self) -> bool {
         match self {
             Self::Dielectric { roughness: Some(r), .. } | Self::Conductor { roughness: Some(r), .. } => {

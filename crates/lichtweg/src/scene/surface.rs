@@ -40,7 +40,7 @@ pub enum Form {
     /// Triangles.
     Mesh(MeshForm),
     /// A sphere, disk or cylinder.
-    Quadric(QuadricForm),
+    Quadric(Box<QuadricForm>),
 }
 
 /// Triangles in the world.

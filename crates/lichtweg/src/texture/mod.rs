@@ -37,7 +37,13 @@ impl Input {
 #[derive(Debug, Default)]
 pub struct TextureArena {
     textures: Vec<Texture>,
+    /// Of each texture: how many textures one look-up evaluates, itself included.
+    costs: Vec<u32>,
 }
+
+/// Textures that one look-up may evaluate. A texture that uses an earlier one twice, which uses an earlier one twice, and so on,
+/// doubles its cost each time; a chain grows the stack by each link.
+const MAX_COST: u32 = 1000;
 
 #[derive(Debug)]
 enum Texture {
@@ -54,11 +60,38 @@ impl TextureArena {
     pub fn compile(descriptions: &[TextureDescription], diagnostics: &mut Diagnostics) -> Self {
         let mut arena = Self::default();
         for description in descriptions {
-            let texture =
+            let mut texture =
                 arena.texture(description, diagnostics).unwrap_or(Texture::Constant(Spectrum::splat(0.5)));
+            let mut cost = arena.cost(&texture);
+            if cost > MAX_COST {
+                let message = format!("one look-up of a texture evaluates more than {MAX_COST} others");
+                diagnostics.push(
+                    Diagnostic::error("deep-texture", message)
+                        .at(description.span, "with this one")
+                        .help("use fewer nested textures, or bake them into an image"),
+                );
+                (texture, cost) = (Texture::Constant(Spectrum::splat(0.5)), 1);
+            }
             arena.textures.push(texture);
+            arena.costs.push(cost);
         }
         arena
+    }
+
+    /// How many textures a look-up evaluates.
+    fn cost(&self, texture: &Texture) -> u32 {
+        let sum = |inputs: &[Input]| {
+            inputs.iter().fold(1, |sum: u32, input| match input {
+                Input::Constant(_) => sum,
+                Input::Texture(id) => sum.saturating_add(self.costs[*id as usize]),
+            })
+        };
+        match texture {
+            Texture::Constant(_) | Texture::Bitmap(_) => 1,
+            Texture::Checkerboard { even, odd, .. } => sum(&[*even, *odd]),
+            Texture::Scale { texture, by } => sum(&[*texture, *by]),
+            Texture::Mix { a, b, amount } => sum(&[*a, *b, *amount]),
+        }
     }
 
     fn texture(&self, description: &TextureDescription, diagnostics: &mut Diagnostics) -> Option<Texture> {

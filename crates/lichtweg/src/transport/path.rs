@@ -57,6 +57,16 @@ struct Departure {
     pdf: Option<f32>,
 }
 
+/// A point at which a walk scatters.
+#[derive(Clone, Copy)]
+struct Vertex<'a> {
+    point: &'a SurfacePoint,
+    /// The direction the walk came from.
+    wo: Vec3,
+    scatterer: &'a Scatterer<'a>,
+    time: f32,
+}
+
 impl PathTracer {
     /// From a scene's wishes.
     pub fn new(description: &IntegratorDescription) -> Self {
@@ -110,8 +120,8 @@ impl PathTracer {
             observer.scatters(depth, &point, &scatterer, (point.position - departure.position).length());
             let connects = self.light != LightStrategy::Naive && scatterer.bsdf.connects();
             if connects {
-                radiance +=
-                    throughput * self.connected(scene, &point, wo, &scatterer, ray.time, sampler, counts);
+                let vertex = Vertex { point: &point, wo, scatterer: &scatterer, time: ray.time };
+                radiance += throughput * self.connected(scene, &vertex, sampler, counts);
             }
             let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
             let Some(sample) = scatterer.sample(wo, u_lobe, u, Mode::Radiance) else { break };
@@ -171,18 +181,16 @@ impl PathTracer {
         })
     }
 
-    /// Light that reaches the vertex straight from a light chosen for it, scattered towards `wo`.
+    /// Light that reaches the vertex straight from a light chosen for it, scattered towards where the walk came from.
     #[inline]
     fn connected(
         &self,
         scene: &Scene,
-        point: &SurfacePoint,
-        wo: Vec3,
-        scatterer: &Scatterer<'_>,
-        time: f32,
+        vertex: &Vertex<'_>,
         sampler: &mut Sampler,
         counts: &mut WalkCounts,
     ) -> Spectrum {
+        let Vertex { point, wo, scatterer, time } = *vertex;
         let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
         let Some((index, probability, _)) = scene.selection().sample(u_light) else { return Spectrum::ZERO };
         let Some(sample) = scene.lights()[index as usize].sample(point.position, u, scene) else {
