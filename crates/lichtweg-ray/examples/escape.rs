@@ -16,8 +16,8 @@ fn main() {
     let turned = Affine::rotation([0.3, 1.0, 0.2], 33.0);
     for (scene, radius) in [
         (displaced_sphere(707), 0.8),
-        (mapped(displaced_sphere(100), &flat), 1e-4),
         (mapped(cube(100), &turned), 0.9),
+        (mapped(displaced_sphere(100), &flat), 1e-4),
     ] {
         let accel = accel(&scene);
         let out = escapes(&scene, &accel, radius, millions * 1_000_000, 2);

@@ -270,7 +270,7 @@ impl Case {
         let mut sum = Vec3::ZERO;
         for i in 0..1000 {
             let mut sampler = Sampler::new(SamplerKind::Independent, 6, 0, i);
-            sum = sum + self.sample(&mut sampler).map_or(Vec3::ZERO, |s| s.direction);
+            sum += self.sample(&mut sampler).map_or(Vec3::ZERO, |s| s.direction);
         }
         sum.try_normalized().unwrap_or(Vec3::Y)
     }
