@@ -97,7 +97,7 @@ fn stopping_does_not_matter() {
     assert!(stopped.image == render_scene(&scene, &d));
 }
 
-/// More samples begin with the same ones: the first eight of sixteen are those of eight.
+/// More samples begin with the same ones: nine are eight and one more.
 #[test]
 fn samples_do_not_depend_on_their_number() {
     for kind in [SamplerKind::Independent, SamplerKind::Sobol] {

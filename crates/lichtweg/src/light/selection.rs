@@ -10,7 +10,7 @@ pub struct LightSelection {
 }
 
 /// Share of the uniform choice.
-const UNIFORM_SHARE: f64 = 0.25;
+const UNIFORM_SHARE: f64 = 0.5;
 
 impl LightSelection {
     /// From the power of each light; lights without power are never chosen.

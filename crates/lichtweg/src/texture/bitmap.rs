@@ -99,13 +99,17 @@ impl Bitmap {
 
     /// The value at (u, v).
     pub fn eval(&self, uv: Vec2) -> Spectrum {
-        let p = self.to_uv.apply(uv);
+        let mut p = self.to_uv.apply(uv);
+        if self.wrap == WrapMode::Repeat {
+            // Leaves at most the texels along the border to `wrap`.
+            p = Vec2::new(p.x - floor(p.x), p.y - floor(p.y));
+        }
         let (x, y) = (p.x * self.width as f32, (1.0 - p.y) * self.height as f32);
         let value = match self.filter {
-            TextureFilter::Nearest => self.texel_at(x.floor(), y.floor()),
+            TextureFilter::Nearest => self.texel_at(floor(x), floor(y)),
             TextureFilter::Bilinear => {
                 let (x, y) = (x - 0.5, y - 0.5);
-                let (x0, y0) = (x.floor(), y.floor());
+                let (x0, y0) = (floor(x), floor(y));
                 let (s, t) = (x - x0, y - y0);
                 let row = |y: f32| self.texel_at(x0, y) * (1.0 - s) + self.texel_at(x0 + 1.0, y) * s;
                 row(y0) * (1.0 - t) + row(y0 + 1.0) * t
@@ -136,11 +140,27 @@ impl Bitmap {
     }
 }
 
+/// Largest integer that is not above `x`. Without SSE4.1, which a portable build must not assume, `f32::floor` is a call.
+#[inline]
+pub(super) fn floor(x: f32) -> f32 {
+    /// From here on all numbers are integers.
+    const INTEGERS: f32 = (1 << 23) as f32;
+    if x.abs() < INTEGERS {
+        let truncated = x as i32 as f32;
+        if truncated > x { truncated - 1.0 } else { truncated }
+    } else {
+        x
+    }
+}
+
 /// The texel that an integer coordinate of any size falls on; `None` is black. Coordinates that are not finite fall on
 /// the first.
 fn wrap(mode: WrapMode, x: f32, size: u32) -> Option<u32> {
     // The conversion saturates, and NaN becomes zero.
     let (x, n) = (x as i64, i64::from(size));
+    if (0..n).contains(&x) {
+        return Some(x as u32);
+    }
     let inside = match mode {
         WrapMode::Repeat => x.rem_euclid(n),
         WrapMode::Clamp => x.clamp(0, n - 1),
@@ -148,7 +168,6 @@ fn wrap(mode: WrapMode, x: f32, size: u32) -> Option<u32> {
             let m = x.rem_euclid(2 * n);
             m.min(2 * n - 1 - m)
         }
-        WrapMode::Black if (0..n).contains(&x) => x,
         WrapMode::Black => return None,
     };
     Some(inside as u32)
@@ -189,6 +208,16 @@ mod tests {
         assert_eq!(wrap(WrapMode::Clamp, 1e30, 4), Some(3));
         assert_eq!(wrap(WrapMode::Black, 4.0, 4), None);
         assert_eq!(wrap(WrapMode::Repeat, f32::NAN, 4), Some(0));
+    }
+
+    #[test]
+    fn floors_are_floors() {
+        for x in
+            [-2.0, -1.5, -0.0, 0.0, 0.25, 1.0, 3.999, -1e-20, 8_388_607.5, -8_388_607.5, 1e30, f32::INFINITY]
+        {
+            assert_eq!(floor(x), x.floor(), "{x}");
+        }
+        assert!(floor(f32::NAN).is_nan());
     }
 
     #[test]

@@ -166,7 +166,7 @@ impl TextureArena {
             Texture::Bitmap(b) => b.eval(uv),
             Texture::Checkerboard { even, odd, to_uv } => {
                 let p = to_uv.apply(uv);
-                let upper = |x: f32| x - x.floor() >= 0.5;
+                let upper = |x: f32| x - bitmap::floor(x) >= 0.5;
                 self.eval(if upper(p.x) == upper(p.y) { *even } else { *odd }, uv)
             }
             Texture::Scale { texture, by } => self.eval(*texture, uv) * self.eval(*by, uv),

@@ -1,19 +1,23 @@
 //! Materials: from a point on a surface to the [`Bsdf`] there.
 
+mod compile;
+mod scatterer;
+mod tangents;
+
 use lichtweg_ray::math::{Vec2, Vec3};
 
-use super::description::{
-    Diagnostic, Diagnostics, MaterialDescription, MaterialId, MaterialKind, RoughnessDescription, Span,
-    TextureInput,
-};
+use super::description::{Diagnostics, MaterialDescription};
 use super::surface::{Form, SurfacePoint};
 use crate::bsdf::{
-    Bsdf, BsdfSample, Diffuse, Frame, MicrofacetKind, Microfacets, Mode, RoughConductor, RoughDielectric,
-    RoughPlastic, RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
-    fresnel,
+    Bsdf, Diffuse, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric, RoughPlastic,
+    RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
 };
-use crate::color::{Role, Spectrum};
+use crate::color::Spectrum;
 use crate::texture::{Input, TextureArena};
+
+use compile::Compiler;
+pub use scatterer::Scatterer;
+use tangents::Tangents;
 
 /// All materials of a scene.
 #[derive(Debug, Default)]
@@ -56,47 +60,6 @@ struct Roughness {
     alpha_u: Input,
     alpha_v: Input,
     remap: bool,
-}
-
-/// A BSDF and the frame it lives in. Directions of its methods are in the world.
-#[derive(Clone, Copy, Debug)]
-pub struct Scatterer<'a> {
-    /// The shading frame; left-handed on the back of a two-sided surface, which mirrors the material's front.
-    pub frame: Frame,
-    /// What scatters there.
-    pub bsdf: Bsdf<'a>,
-    /// The shading normal before bump and normal maps, if any tilted it: directions on different sides of the two normals
-    /// carry nothing, or light would leak through the surface.
-    untilted: Option<Vec3>,
-}
-
-impl Scatterer<'_> {
-    /// f |cos| and the density of sampling `wi` per solid angle, without delta lobes.
-    #[inline]
-    pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, mode: Mode) -> (Spectrum, f32) {
-        let (local_wo, local_wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
-        if !self.consistent(wo, local_wo) || !self.consistent(wi, local_wi) {
-            return (Spectrum::ZERO, 0.0);
-        }
-        self.bsdf.eval_pdf(local_wo, local_wi, mode)
-    }
-
-    /// A direction in the world ([`BsdfSample::wi`] is then in the world too).
-    #[inline]
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], mode: Mode) -> Option<BsdfSample> {
-        let local_wo = self.frame.to_local(wo);
-        if !self.consistent(wo, local_wo) {
-            return None;
-        }
-        let sample = self.bsdf.sample(local_wo, u_lobe, u, mode)?;
-        let wi = self.frame.to_world(sample.wi);
-        self.consistent(wi, sample.wi).then_some(BsdfSample { wi, ..sample })
-    }
-
-    #[inline]
-    fn consistent(&self, world: Vec3, local: Vec3) -> bool {
-        self.untilted.is_none_or(|n| n.dot(world) * local.z > 0.0)
-    }
 }
 
 impl MaterialArena {
@@ -195,7 +158,7 @@ impl MaterialArena {
         form: &Form,
         textures: &TextureArena,
     ) -> Scatterer<'a> {
-        let mut tangents = Tangents { form, point, partials: None };
+        let mut tangents = Tangents::new(form, point);
         let mut normal = point.shading_normal;
         let mut untilted = None;
         let mut mirrored = false;
@@ -236,40 +199,6 @@ impl MaterialArena {
                     return Scatterer { frame: Frame { bitangent, ..frame }, bsdf, untilted };
                 }
             }
-        }
-    }
-}
-
-/// Surface tangents at a point, computed when first needed.
-struct Tangents<'a> {
-    form: &'a Form,
-    point: &'a SurfacePoint,
-    partials: Option<Option<[Vec3; 2]>>,
-}
-
-impl Tangents<'_> {
-    fn partials(&mut self) -> Option<[Vec3; 2]> {
-        *self.partials.get_or_insert_with(|| self.form.partials(self.point))
-    }
-
-    /// The frame about `normal` whose tangent follows dp/du.
-    fn frame(&mut self, normal: Vec3) -> Frame {
-        match self.partials() {
-            Some([dp_du, _]) => Frame::from_normal_tangent(normal, dp_du),
-            None => Frame::from_normal(normal),
-        }
-    }
-
-    /// The normal of the surface displaced along `normal` by a height with a given gradient (Blinn 1978), neglecting the
-    /// curvature of the surface itself.
-    fn bump(&mut self, normal: Vec3, gradient: Vec2) -> Vec3 {
-        let Some([dp_du, dp_dv]) = self.partials() else { return normal };
-        let lifted = |dp: Vec3, slope: f32| dp + normal * (slope - normal.dot(dp));
-        let tilted = lifted(dp_du, gradient.x).cross(lifted(dp_dv, gradient.y));
-        match tilted.try_normalized() {
-            Some(n) if n.dot(normal) < 0.0 => -n,
-            Some(n) => n,
-            None => normal,
         }
     }
 }
@@ -376,122 +305,5 @@ impl Roughness {
             if self.remap { value.max(0.0).sqrt() } else { value }
         };
         Microfacets::new(self.kind, alpha(self.alpha_u), alpha(self.alpha_v))
-    }
-}
-
-struct Compiler<'a> {
-    arena: &'a MaterialArena,
-    textures: &'a TextureArena,
-    span: Span,
-    diagnostics: &'a mut Diagnostics,
-}
-
-impl Compiler<'_> {
-    fn material(&mut self, kind: &MaterialKind) -> Option<Material> {
-        Some(match kind {
-            MaterialKind::Diffuse { reflectance } => {
-                Material::Diffuse { reflectance: self.input(reflectance)? }
-            }
-            MaterialKind::Dielectric { eta, roughness, specular_reflectance, specular_transmittance } => {
-                Material::Dielectric {
-                    eta: self.index(*eta)?,
-                    roughness: self.roughness(roughness.as_ref())?,
-                    reflectance: self.input(specular_reflectance)?,
-                    transmittance: self.input(specular_transmittance)?,
-                }
-            }
-            MaterialKind::ThinDielectric { eta, specular_reflectance, specular_transmittance } => {
-                Material::ThinDielectric {
-                    eta: self.index(*eta)?,
-                    reflectance: self.input(specular_reflectance)?,
-                    transmittance: self.input(specular_transmittance)?,
-                }
-            }
-            MaterialKind::Conductor { eta, k, roughness, specular_reflectance } => Material::Conductor {
-                eta: self.input(eta)?,
-                k: self.input(k)?,
-                roughness: self.roughness(roughness.as_ref())?,
-                reflectance: self.input(specular_reflectance)?,
-            },
-            MaterialKind::Plastic {
-                eta,
-                diffuse_reflectance,
-                specular_reflectance,
-                roughness,
-                nonlinear,
-            } => {
-                self.plastic(*eta, diffuse_reflectance, specular_reflectance, roughness.as_ref(), *nonlinear)?
-            }
-            MaterialKind::TwoSided { front, back } => {
-                let (front, back) = (self.nested(*front)?, self.nested(*back)?);
-                Material::TwoSided { front, back }
-            }
-            MaterialKind::Mask { opacity, nested } => {
-                Material::Mask { opacity: self.input(opacity)?, nested: self.nested(*nested)? }
-            }
-            MaterialKind::Bump { height, scale, nested } => Material::Bump {
-                height: self.input(&TextureInput::Texture(*height))?,
-                scale: *scale,
-                nested: self.nested(*nested)?,
-            },
-            MaterialKind::NormalMap { normals, nested } => Material::NormalMap {
-                normals: self.input(&TextureInput::Texture(*normals))?,
-                nested: self.nested(*nested)?,
-            },
-        })
-    }
-
-    fn plastic(
-        &mut self,
-        eta: f32,
-        diffuse: &TextureInput,
-        specular: &TextureInput,
-        roughness: Option<&RoughnessDescription>,
-        nonlinear: bool,
-    ) -> Option<Material> {
-        let eta = self.index(eta)?;
-        let (diffuse, specular) = (self.input(diffuse)?, self.input(specular)?);
-        let Some(roughness) = self.roughness(roughness)? else {
-            let internal_reflectance = fresnel::diffuse_reflectance(1.0 / eta);
-            return Some(Material::SmoothPlastic { eta, internal_reflectance, diffuse, specular, nonlinear });
-        };
-        let (Input::Constant(_), Input::Constant(_)) = (roughness.alpha_u, roughness.alpha_v) else {
-            self.fault("textured-plastic-roughness", "the roughness of plastic must be constant");
-            return None;
-        };
-        let facets = roughness.facets(Vec2::ZERO, self.textures);
-        let table = Box::new(RoughTransmittanceTable::new(facets, eta));
-        Some(Material::RoughPlastic { table, diffuse, specular, nonlinear })
-    }
-
-    fn input(&mut self, input: &TextureInput) -> Option<Input> {
-        self.textures.input(input, Role::Property, self.span, self.diagnostics)
-    }
-
-    /// `Some(None)` is smooth.
-    fn roughness(&mut self, roughness: Option<&RoughnessDescription>) -> Option<Option<Roughness>> {
-        let Some(r) = roughness else { return Some(None) };
-        let (alpha_u, alpha_v) = (self.input(&r.alpha_u)?, self.input(&r.alpha_v)?);
-        Some(Some(Roughness { kind: r.distribution, alpha_u, alpha_v, remap: r.remap }))
-    }
-
-    fn index(&mut self, eta: f32) -> Option<f32> {
-        if eta > 0.0 && eta.is_finite() {
-            return Some(eta);
-        }
-        self.fault("bad-ior", "an index of refraction must be positive");
-        None
-    }
-
-    fn nested(&mut self, id: MaterialId) -> Option<u32> {
-        if (id.0 as usize) < self.arena.len() {
-            return Some(id.0);
-        }
-        self.fault("material-order", "a material wraps one that is not stated before it");
-        None
-    }
-
-    fn fault(&mut self, code: &'static str, message: &str) {
-        self.diagnostics.push(Diagnostic::error(code, message).at(self.span, "in this material"));
     }
 }

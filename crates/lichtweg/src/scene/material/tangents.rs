@@ -1,0 +1,44 @@
+//! Tangents of a surface, and normals tilted along them.
+
+use lichtweg_ray::math::{Vec2, Vec3};
+
+use crate::bsdf::Frame;
+use crate::scene::surface::{Form, SurfacePoint};
+
+/// Surface tangents at a point, computed when first needed.
+pub(super) struct Tangents<'a> {
+    form: &'a Form,
+    point: &'a SurfacePoint,
+    partials: Option<Option<[Vec3; 2]>>,
+}
+
+impl<'a> Tangents<'a> {
+    pub fn new(form: &'a Form, point: &'a SurfacePoint) -> Self {
+        Self { form, point, partials: None }
+    }
+
+    fn partials(&mut self) -> Option<[Vec3; 2]> {
+        *self.partials.get_or_insert_with(|| self.form.partials(self.point))
+    }
+
+    /// The frame about `normal` whose tangent follows dp/du.
+    pub fn frame(&mut self, normal: Vec3) -> Frame {
+        match self.partials() {
+            Some([dp_du, _]) => Frame::from_normal_tangent(normal, dp_du),
+            None => Frame::from_normal(normal),
+        }
+    }
+
+    /// The normal of the surface displaced along `normal` by a height with a given gradient (Blinn 1978), neglecting the
+    /// curvature of the surface itself.
+    pub fn bump(&mut self, normal: Vec3, gradient: Vec2) -> Vec3 {
+        let Some([dp_du, dp_dv]) = self.partials() else { return normal };
+        let lifted = |dp: Vec3, slope: f32| dp + normal * (slope - normal.dot(dp));
+        let tilted = lifted(dp_du, gradient.x).cross(lifted(dp_dv, gradient.y));
+        match tilted.try_normalized() {
+            Some(n) if n.dot(normal) < 0.0 => -n,
+            Some(n) => n,
+            None => normal,
+        }
+    }
+}
