@@ -152,8 +152,10 @@ mod tests {
     #[test]
     fn rescue_goes_on_to_the_next_directory_and_overwrites_nothing() {
         let temporary = std::env::temp_dir();
-        let rescued = rescue(Path::new("/nowhere/picture.exr"), |path| path.starts_with(&temporary));
-        assert_eq!(rescued, Some(temporary.join("picture.exr")));
+        let picture = format!("picture-{}.exr", std::process::id());
+        let path = Path::new("/nowhere").join(&picture);
+        let rescued = rescue(&path, |path| path.parent() == Some(&temporary));
+        assert_eq!(rescued, Some(temporary.join(&picture)));
         assert_eq!(rescue(Path::new("/nowhere/picture.exr"), |_| false), None);
         // Tests run in the package's directory.
         let kept = rescue(Path::new("/nowhere/Cargo.toml"), |_| true).unwrap();
