@@ -15,6 +15,14 @@ use lichtweg_ray::math::{Affine, Vec3};
 
 /// Reads options and a world; panics where there are findings other than notes.
 fn read(options: &str, world: &str) -> Description {
+    let (scene, diagnostics) = read_any(options, world);
+    let silent = diagnostics.list.iter().all(|d| d.severity == Severity::Note);
+    assert!(silent, "{:#?}", diagnostics.list);
+    scene
+}
+
+/// Reads options and a world without errors.
+fn read_any(options: &str, world: &str) -> (Description, Diagnostics) {
     let mut sources = SourceMap::default();
     let mut diagnostics = Diagnostics::new(false);
     let text = format!("{options}\nWorldBegin\n{world}");
@@ -28,9 +36,8 @@ fn read(options: &str, world: &str) -> Description {
         &mut diagnostics,
         &mut LoadReport::default(),
     );
-    let silent = diagnostics.list.iter().all(|d| d.severity == Severity::Note);
-    assert!(silent, "{}", render(&diagnostics, &sources, false));
-    scene.unwrap()
+    let scene = scene.unwrap_or_else(|| panic!("{}", render(&diagnostics, &sources, false)));
+    (scene, diagnostics)
 }
 
 fn close(a: Vec3, b: Vec3) -> bool {
@@ -272,21 +279,30 @@ fn holes_bumps_and_missing_surfaces() {
         Shape \"sphere\" \"float alpha\" .5
         Shape \"disk\" \"float alpha\" .5
         Material \"interface\"
-        Shape \"sphere\"
-        AreaLightSource \"diffuse\"
         Shape \"sphere\"",
     );
-    assert_eq!(scene.shapes.len(), 3);
+    assert_eq!(scene.shapes.len(), 2);
     assert!(
         matches!(material(&scene, 0), MaterialKind::Mask { opacity, .. } if *opacity == TextureInput::number(0.5))
     );
     assert!(matches!(material(&scene, 1), MaterialKind::Bump { scale: 1.0, .. }));
     assert!(matches!(material(&scene, 3), MaterialKind::Diffuse { .. }));
     assert_eq!(scene.shapes[0].material, scene.shapes[1].material);
-    let light = &scene.shapes[2];
+}
+
+/// A light without a surface becomes black and opaque, and a warning says so.
+#[test]
+fn lights_without_a_surface() {
+    let (scene, diagnostics) =
+        read_any("", "Material \"interface\" AreaLightSource \"diffuse\" Shape \"sphere\"");
+    let codes: Vec<_> = diagnostics.list.iter().map(|d| (d.severity, d.code)).collect();
+    assert_eq!(codes, [(Severity::Warning, "opaque-interface")]);
+    let light = &scene.shapes[0];
     assert!(light.emission.is_some());
     let kind = &scene.materials[light.material.0 as usize].kind;
-    assert!(matches!(kind, MaterialKind::Mask { opacity, .. } if *opacity == TextureInput::number(0.0)));
+    assert!(
+        matches!(kind, MaterialKind::Diffuse { reflectance } if *reflectance == TextureInput::number(0.0))
+    );
 }
 
 #[test]

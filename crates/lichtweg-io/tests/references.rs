@@ -83,17 +83,17 @@ fn cornell_box_agrees_and_a_depth_too_small_does_not() {
 
 #[test]
 fn veach_mis_agrees() {
-    check("veach-mis", 256, Some(2));
+    check("veach-mis", 1024, Some(2));
 }
 
 #[test]
 fn veach_bidir_agrees() {
-    check("veach-bidir", 512, None);
+    check("veach-bidir", 2048, None);
 }
 
 #[test]
 fn veach_ajar_agrees() {
-    check("veach-ajar", 256, None);
+    check("veach-ajar", 512, None);
 }
 
 /// The pbrt file of the Cornell box differs from the XML one in its view and its lights; with those made equal, in the text, it
