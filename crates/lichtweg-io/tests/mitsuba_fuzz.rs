@@ -3,6 +3,8 @@
 //! Runs for two seconds with fixed seeds; `LICHTWEG_FUZZ_SECONDS=600 cargo test --release --test mitsuba_fuzz` goes on for
 //! longer, through the same sequence of inputs and beyond.
 
+mod random;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -10,25 +12,9 @@ use lichtweg::scene::description::{Diagnostics, SourceMap};
 use lichtweg_io::diagnostics::render;
 use lichtweg_io::mitsuba::read_str;
 use lichtweg_io::options::{LoadReport, ReadOptions};
+use random::Random;
 
 const FOLDER: &str = "tests/bad/mitsuba";
-
-/// The finaliser of SplitMix64 over a counter.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
 
 fn budget() -> Duration {
     let seconds = std::env::var("LICHTWEG_FUZZ_SECONDS").ok().and_then(|s| s.parse().ok());

@@ -2,29 +2,15 @@
 //!
 //! The sequence of mutations is fixed. Two seconds by default; `LICHTWEG_FUZZ_SECONDS` asks for more.
 
+mod random;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lichtweg::scene::description::{Diagnostics, SourceMap};
 use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::pbrt;
-
-/// SplitMix64 (Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
+use random::Random;
 
 /// Pieces that mutations insert.
 const PIECES: [&str; 28] = [
