@@ -10,6 +10,8 @@ mod avx2;
 mod avx512;
 mod portable;
 mod quad;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
