@@ -27,6 +27,7 @@ mod quadric;
 mod ray;
 mod simd;
 mod triangle;
+pub mod wide;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
 pub use geometry::{Geometry, TriangleMesh};
