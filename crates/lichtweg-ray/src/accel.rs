@@ -7,6 +7,7 @@ use crate::bvh::{self, Bvh, Others};
 use crate::geometry::Geometry;
 use crate::math::Bounds3;
 use crate::quadric::PlacedQuadric;
+use crate::packet::{self, HitPacket, RayPacket};
 use crate::ray::{Hit, Ray};
 use crate::simd::Isa;
 
@@ -115,6 +116,18 @@ impl Accel {
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         bvh::occluded(self.isa, &self.bvh, &self.others(), ray)
+    }
+
+    /// [`Accel::closest`] of the rays of a packet whose bit in `active` is set; the other lanes hit nothing.
+    #[inline]
+    pub fn closest_packet(&self, rays: &RayPacket, active: u32) -> HitPacket {
+        packet::closest(self.isa, &self.bvh, &self.others(), rays, active)
+    }
+
+    /// [`Accel::occluded`] of the rays of a packet whose bit in `active` is set: a bit a ray.
+    #[inline]
+    pub fn occluded_packet(&self, rays: &RayPacket, active: u32) -> u32 {
+        packet::occluded(self.isa, &self.bvh, &self.others(), rays, active)
     }
 
     /// The box around everything that can be hit; empty for an empty scene.

@@ -23,6 +23,7 @@ mod bvh;
 mod geometry;
 pub mod math;
 mod memory;
+mod packet;
 mod quadric;
 mod ray;
 mod simd;
@@ -30,6 +31,7 @@ mod triangle;
 pub mod wide;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
+pub use packet::{HitPacket, RayPacket};
 pub use geometry::{Geometry, TriangleMesh};
 pub use quadric::{Quadric, QuadricShape};
 pub use ray::{Hit, Ray};

@@ -77,28 +77,40 @@ pub(crate) struct Others<'a> {
     pub quadrics: &'a [PlacedQuadric],
 }
 
+impl Others<'_> {
+    /// Takes the hit of a quadric, if there is one that is no farther than the best; whether there is.
+    #[inline(always)]
+    pub(crate) fn meet(&self, quadric: u32, ray: &Ray, tnear: f32, best: &mut Best) -> bool {
+        let placed = &self.quadrics[quadric as usize];
+        let Some(t) = placed.intersect(ray, tnear, best.t) else { return false };
+        best.consider(TriangleHit { t, u: 0.0, v: 0.0 }, placed.id, quadric);
+        true
+    }
+}
+
 /// The nearest hit so far.
-struct Best {
-    t: f32,
-    u: f32,
-    v: f32,
+#[derive(Clone, Copy)]
+pub(crate) struct Best {
+    pub t: f32,
+    pub u: f32,
+    pub v: f32,
     /// Running number of the primitive.
-    id: u32,
+    pub id: u32,
     /// Index of the quadric, or none of them.
-    quadric: u32,
+    pub quadric: u32,
 }
 
 impl Best {
-    const NOTHING: u32 = u32::MAX;
+    pub(crate) const NOTHING: u32 = u32::MAX;
 
-    fn none(tfar: f32) -> Self {
+    pub(crate) fn none(tfar: f32) -> Self {
         Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING, quadric: Self::NOTHING }
     }
 
     /// Takes a hit with `t <= self.t`; of equally near ones the lowest number wins, and nothing has
     /// the highest.
     #[inline(always)]
-    fn consider(&mut self, hit: TriangleHit, id: u32, quadric: u32) {
+    pub(crate) fn consider(&mut self, hit: TriangleHit, id: u32, quadric: u32) {
         if hit.t < self.t || id < self.id {
             *self = Self { t: hit.t, u: hit.u, v: hit.v, id, quadric };
         }
@@ -109,24 +121,39 @@ impl Best {
 #[inline(always)]
 pub(crate) fn traverse<V: Lanes, const ANY: bool>(bvh: &Bvh, others: &Others, ray: &Ray) -> Option<Hit> {
     let (slab, shear, tfar) = prepare::<V>(ray, bvh.reach)?;
-    let tnear = shear.tnear;
     let shear = WideShear::<V>::new(&shear);
     let mut best = Best::none(tfar);
+    if descend::<V, ANY>(bvh, others, ray, &slab, &shear, &mut best, bvh.root) {
+        return Some(HIT_SOMETHING);
+    }
+    finish(bvh, others, ray, &best)
+}
+
+/// Looks for something nearer than `best` in and below a child; with `ANY`, whether there is anything.
+#[inline(always)]
+pub(crate) fn descend<V: Lanes, const ANY: bool>(
+    bvh: &Bvh,
+    others: &Others,
+    ray: &Ray,
+    slab: &Slab<V>,
+    shear: &WideShear<V>,
+    best: &mut Best,
+    mut current: ChildRef,
+) -> bool {
     let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
     let base = entries.as_mut_ptr().cast();
     let mut stack = Stack { top: base, base };
-    let mut current = bvh.root;
     loop {
-        let event = go::<V, ANY>(bvh, &slab, &shear, &mut best, &mut stack, current);
+        let event = go::<V, ANY>(bvh, slab, shear, best, &mut stack, current);
         match event {
-            Event::Done => return finish(bvh, others, ray, &best),
-            Event::Found => return Some(HIT_SOMETHING),
+            Event::Done => return false,
+            Event::Found => return true,
             Event::Doubt(block) => {
                 for lane in 0..WIDTH {
                     let hit = shear.settle(&bvh.blocks[block], lane, best.t);
                     if let Some(h) = hit {
                         if ANY {
-                            return Some(HIT_SOMETHING);
+                            return true;
                         }
                         best.consider(h, bvh.blocks[block].ids[lane], Best::NOTHING);
                     }
@@ -135,19 +162,15 @@ pub(crate) fn traverse<V: Lanes, const ANY: bool>(bvh: &Bvh, others: &Others, ra
             Event::Others(leaf) => {
                 let (begin, count) = leaf.leaf();
                 for &quadric in &bvh.others[begin..begin + count] {
-                    let placed = &others.quadrics[quadric as usize];
-                    if let Some(t) = placed.intersect(ray, tnear, best.t) {
-                        if ANY {
-                            return Some(HIT_SOMETHING);
-                        }
-                        best.consider(TriangleHit { t, u: 0.0, v: 0.0 }, placed.id, quadric);
+                    if others.meet(quadric, ray, shear.tnear(), best) && ANY {
+                        return true;
                     }
                 }
             }
         }
         match stack.pop(best.t) {
             Some(next) => current = next,
-            None => return finish(bvh, others, ray, &best),
+            None => return false,
         }
     }
 }
@@ -339,7 +362,7 @@ fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: &Block) {
 
 /// Names what was hit.
 #[inline(always)]
-fn finish(bvh: &Bvh, others: &Others, ray: &Ray, best: &Best) -> Option<Hit> {
+pub(crate) fn finish(bvh: &Bvh, others: &Others, ray: &Ray, best: &Best) -> Option<Hit> {
     if best.id == Best::NOTHING {
         return None;
     }

@@ -35,6 +35,10 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
 use crate::simd::Isa;
 
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx512::Avx512;
+pub(crate) use portable::Portable;
+
 /// Number of lanes.
 pub const LANES: usize = 16;
 
@@ -250,7 +254,7 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 #[inline]
 pub(crate) fn on<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
     match isa {
-        Isa::Portable => kernel.run::<portable::Portable>(),
+        Isa::Portable => kernel.run::<Portable>(),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: values of `Isa` come from detection.
         Isa::Avx2 => unsafe { on_avx2(kernel) },
@@ -264,11 +268,11 @@ pub(crate) fn on<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn on_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<portable::Portable>()
+    kernel.run::<Portable>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq")]
 fn on_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<avx512::Avx512>()
+    kernel.run::<Avx512>()
 }
