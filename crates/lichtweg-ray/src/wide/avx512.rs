@@ -252,13 +252,13 @@ impl Float for F32 {
     }
 
     #[inline(always)]
-    fn gather_rows(rows: &[Row], index: &[u32; LANES]) -> [Self; LANES] {
+    fn columns(rows: &[&Row; LANES]) -> [Self; LANES] {
         // SAFETY: see above.
         let zero = unsafe { _mm512_setzero_ps() };
         let mut lane = [zero; LANES];
         for i in 0..LANES {
             // SAFETY: see above.
-            lane[i] = unsafe { _mm512_load_ps(rows[index[i] as usize].0.as_ptr()) };
+            lane[i] = unsafe { _mm512_load_ps(rows[i].0.as_ptr()) };
         }
         transpose(lane).map_lanes()
     }

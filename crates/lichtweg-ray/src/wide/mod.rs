@@ -160,11 +160,11 @@ pub trait Float:
     fn compress(self, mask: Self::Mask) -> Self;
     /// Smallest lane; lanes must not be NaN.
     fn smallest(self) -> f32;
-    /// Column i holds element i of every lane's row. Panics where an index is out of range.
-    fn gather_rows(rows: &[Row], index: &[u32; LANES]) -> [Self; LANES];
+    /// Column i holds element i of every lane's row.
+    fn columns(rows: &[&Row; LANES]) -> [Self; LANES];
 }
 
-/// Sixteen consecutive `f32`: one cache line of a table, to be read by [`Float::gather_rows`].
+/// Sixteen consecutive `f32`: one cache line of a table, to be read by [`Float::columns`].
 pub type Row = Lanes<f32>;
 
 /// Sixteen `u32`.

@@ -294,12 +294,11 @@ impl Float for F32 {
     }
 
     #[inline(always)]
-    fn gather_rows(rows: &[Row], index: &[u32; LANES]) -> [Self; LANES] {
+    fn columns(rows: &[&Row; LANES]) -> [Self; LANES] {
         let mut out = [Self([0.0; LANES]); LANES];
         for lane in 0..LANES {
-            let row = &rows[index[lane] as usize];
             for column in 0..LANES {
-                out[column].0[lane] = row.0[column];
+                out[column].0[lane] = rows[lane].0[column];
             }
         }
         out
