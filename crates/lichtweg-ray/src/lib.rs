@@ -21,14 +21,14 @@ mod agreement;
 mod build;
 mod bvh;
 mod geometry;
+mod kind;
 pub mod math;
 mod memory;
-mod quadric;
 mod ray;
 mod simd;
 mod triangle;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
 pub use geometry::{Geometry, TriangleMesh};
-pub use quadric::{Quadric, QuadricShape};
+pub use kind::{Quadric, QuadricShape};
 pub use ray::{Hit, Ray};
