@@ -108,10 +108,10 @@ impl<V: Lanes> WideShear<V> {
         }
     }
 
-    /// Hits lie beyond this t.
+    /// The shear itself.
     #[inline(always)]
-    pub(crate) fn tnear(&self) -> f32 {
-        self.shear.tnear
+    pub(crate) fn scalar(&self) -> Shear {
+        self.shear
     }
 
     /// The range's end, as [`WideShear::intersect`] wants it.
@@ -180,7 +180,6 @@ fn wide<V: Lanes>([x, y, z]: [f32; 3]) -> [V; 3] {
     [V::splat(x), V::splat(y), V::splat(z)]
 }
 
-/// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
 /// The scalar test, with the same result as the vector test where that is definite.
 pub(crate) fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
@@ -202,6 +201,7 @@ pub(crate) fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit>
     Some(TriangleHit { t, u: v, v: w })
 }
 
+/// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
 fn exact(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
     let [a, b, c] = corners.map(|p| {

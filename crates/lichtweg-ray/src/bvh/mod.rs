@@ -6,5 +6,5 @@ pub(crate) mod slab;
 mod traverse;
 
 pub(crate) use layout::{Block, Bvh, ChildRef, Node, Numbering};
-pub(crate) use query::{closest, occluded};
-pub(crate) use traverse::{Best, MAX_DEPTH, Others, descend, finish};
+pub(crate) use query::{closest, closest_filtered, occluded, occluded_filtered};
+pub(crate) use traverse::{Best, MAX_DEPTH, Other, descend};

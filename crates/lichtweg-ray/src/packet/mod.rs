@@ -31,13 +31,15 @@ pub struct RayPacket {
     pub tfar: Lanes<f32>,
     /// See [`Ray::time`].
     pub time: Lanes<f32>,
+    /// See [`Ray::mask`].
+    pub mask: Lanes<u32>,
 }
 
 impl Default for RayPacket {
     /// Rays that hit nothing.
     fn default() -> Self {
         let zero = Lanes::splat(0.0);
-        Self { origin: [zero; 3], direction: [zero; 3], tnear: zero, tfar: zero, time: zero }
+        Self { origin: [zero; 3], direction: [zero; 3], tnear: zero, tfar: zero, time: zero, mask: Lanes::splat(u32::MAX) }
     }
 }
 
@@ -52,6 +54,7 @@ impl RayPacket {
             tnear: self.tnear.0[lane],
             tfar: self.tfar.0[lane],
             time: self.time.0[lane],
+            mask: self.mask.0[lane],
         }
     }
 
@@ -65,6 +68,7 @@ impl RayPacket {
         self.tnear.0[lane] = ray.tnear;
         self.tfar.0[lane] = ray.tfar;
         self.time.0[lane] = ray.time;
+        self.mask.0[lane] = ray.mask;
     }
 }
 
@@ -72,7 +76,7 @@ impl RayPacket {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct HitPacket {
-    /// See [`Hit::t`]; the range's end where nothing was hit.
+    /// See [`Hit::t`].
     pub t: Lanes<f32>,
     /// See [`Hit::u`].
     pub u: Lanes<f32>,
@@ -82,12 +86,21 @@ pub struct HitPacket {
     pub geometry: Lanes<u32>,
     /// See [`Hit::primitive`].
     pub primitive: Lanes<u32>,
+    /// See [`Hit::instances`].
+    pub instances: [Lanes<u32>; Hit::MAX_INSTANCES],
 }
 
 impl Default for HitPacket {
     fn default() -> Self {
         let zero = Lanes::splat(0.0);
-        Self { t: zero, u: zero, v: zero, geometry: Lanes::splat(Self::NOTHING), primitive: Lanes::splat(0) }
+        Self {
+            t: zero,
+            u: zero,
+            v: zero,
+            geometry: Lanes::splat(Self::NOTHING),
+            primitive: Lanes::splat(0),
+            instances: [Lanes::splat(Hit::NO_INSTANCE); Hit::MAX_INSTANCES],
+        }
     }
 }
 
@@ -104,6 +117,7 @@ impl HitPacket {
             v: self.v.0[lane],
             geometry: self.geometry.0[lane],
             primitive: self.primitive.0[lane],
+            instances: std::array::from_fn(|level| self.instances[level].0[lane]),
         })
     }
 
@@ -113,7 +127,28 @@ impl HitPacket {
         self.v.0[lane] = hit.v;
         self.geometry.0[lane] = hit.geometry;
         self.primitive.0[lane] = hit.primitive;
+        for (to, from) in self.instances.iter_mut().zip(hit.instances) {
+            to.0[lane] = from;
+        }
     }
+}
+
+/// The nearest hits of the active rays, without sharing anything: for structures with masks.
+pub(crate) fn closest_one_by_one(accel: &Accel, rays: &RayPacket, active: u32) -> HitPacket {
+    let mut out = HitPacket::default();
+    for lane in (0..LANES).filter(|lane| active >> lane & 1 != 0) {
+        if let Some(hit) = accel.closest(&rays.get(lane)) {
+            out.set(lane, &hit);
+        }
+    }
+    out
+}
+
+/// The active rays that hit anything, as [`closest_one_by_one`].
+pub(crate) fn occluded_one_by_one(accel: &Accel, rays: &RayPacket, active: u32) -> u32 {
+    (0..LANES)
+        .filter(|&lane| active >> lane & 1 != 0 && accel.occluded(&rays.get(lane)))
+        .fold(0, |found, lane| found | 1 << lane)
 }
 
 impl Accel {

@@ -5,8 +5,8 @@ use crate::math::Vec3;
 use crate::simd::Isa;
 use crate::{Accel, BuildOptions, Hit, Ray};
 
-fn bits(hit: Option<Hit>) -> Option<[u32; 5]> {
-    hit.map(|h| [h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.geometry, h.primitive])
+fn bits(hit: Option<Hit>) -> Option<[u32; 7]> {
+    hit.map(|h| [h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.geometry, h.primitive, h.instances[0], h.instances[1]])
 }
 
 fn check(accel: &mut Accel, rays: &[Ray]) {
@@ -43,6 +43,15 @@ fn coherent_rays_agree() {
         let rays: Vec<Ray> = (0..10_000).map(|i| Ray::new(eye, towards(i))).collect();
         check(&mut accel, &rays);
     }
+}
+
+#[test]
+fn masks_are_heeded() {
+    let mut random = Random(31);
+    let mut accel = Accel::build(scene(&mut random, 300), BuildOptions::default()).unwrap();
+    accel.set_mask(0, 2);
+    let rays: Vec<Ray> = (0..1000).map(|i| Ray { mask: 1 + i as u32 % 2, ..ray(&mut random, i) }).collect();
+    check(&mut accel, &rays);
 }
 
 #[test]

@@ -4,12 +4,14 @@ use std::mem::MaybeUninit;
 
 use super::ray::{Prepared, corners, settle};
 use super::{HitPacket, RayPacket};
-use crate::bvh::{Best, Bvh, ChildRef, MAX_DEPTH, Others, descend, finish, slab};
+use crate::accel::Accel;
+use crate::bvh::{Best, ChildRef, MAX_DEPTH, Other, descend, slab};
+use crate::kind::Probe;
 use crate::simd::{Isa, Lanes as NarrowLanes, Portable, WIDTH};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
 use crate::triangle::WideShear;
-use crate::wide::{self, Float, LANES, Lanes, Mask, Wide, Word};
+use crate::wide::{self, Float, LANES, Mask, Wide, Word};
 
 /// Where this many rays or fewer want a child, each goes on by itself.
 const FEW: u32 = 3;
@@ -32,8 +34,6 @@ struct Bests<W: Wide> {
     u: W::F32,
     v: W::F32,
     id: W::U32,
-    /// Index of the primitive that is no triangle, or [`Best::NOTHING`].
-    other: W::U32,
 }
 
 impl<W: Wide> Bests<W> {
@@ -44,7 +44,6 @@ impl<W: Wide> Bests<W> {
             u: self.u.to_lanes().0[lane],
             v: self.v.to_lanes().0[lane],
             id: self.id.to_lanes().0[lane],
-            quadric: self.other.to_lanes().0[lane],
         }
     }
 
@@ -55,17 +54,17 @@ impl<W: Wide> Bests<W> {
         self.u = W::F32::splat(best.u).select(only, self.u);
         self.v = W::F32::splat(best.v).select(only, self.v);
         self.id = W::U32::splat(best.id).select(only, self.id);
-        self.other = W::U32::splat(best.quadric).select(only, self.other);
     }
 }
 
 /// A walk of a packet through the hierarchy.
 struct Walk<'a, W: Wide, V: NarrowLanes> {
-    bvh: &'a Bvh,
-    others: &'a Others<'a>,
+    accel: &'a Accel,
     rays: &'a RayPacket,
     prepared: Prepared<W>,
     bests: Bests<W>,
+    /// Nearest hits of what is no triangle.
+    others: [Other; LANES],
     /// Rays that look for any hit and have found one.
     found: u32,
     _narrow: std::marker::PhantomData<V>,
@@ -73,19 +72,19 @@ struct Walk<'a, W: Wide, V: NarrowLanes> {
 
 impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
     #[inline(always)]
-    fn new(bvh: &'a Bvh, others: &'a Others<'a>, rays: &'a RayPacket, active: u32) -> Self {
-        let prepared = Prepared::new(rays, active, bvh.reach);
+    fn new(accel: &'a Accel, rays: &'a RayPacket, active: u32) -> Self {
+        let prepared = Prepared::new(rays, active, accel.bvh.reach);
         let nothing = W::U32::splat(Best::NOTHING);
         let zero = W::F32::splat(0.0);
-        let bests = Bests { t: prepared.tfar, u: zero, v: zero, id: nothing, other: nothing };
-        Self { bvh, others, rays, prepared, bests, found: 0, _narrow: std::marker::PhantomData }
+        let bests = Bests { t: prepared.tfar, u: zero, v: zero, id: nothing };
+        Self { accel, rays, prepared, bests, others: [Other::NONE; LANES], found: 0, _narrow: std::marker::PhantomData }
     }
 
     #[inline(always)]
     fn run<const ANY: bool>(&mut self) {
         let mut stack: [MaybeUninit<Entry<W>>; STACK] = [const { MaybeUninit::uninit() }; STACK];
         let mut top = 0;
-        let mut current = self.bvh.root;
+        let mut current = self.accel.bvh.root;
         let mut mask = self.prepared.active.bits();
         if mask == 0 {
             return;
@@ -97,7 +96,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
                 self.singles::<ANY>(current, mask);
             } else {
                 // SAFETY: inner references of the builder are indices of nodes.
-                let node = unsafe { self.bvh.nodes.get_unchecked(current.node()) };
+                let node = unsafe { self.accel.bvh.nodes.get_unchecked(current.node()) };
                 let rays = W::Mask::from_bits(mask);
                 let bottom = top;
                 for slot in 0..WIDTH {
@@ -153,10 +152,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
     fn leaf<const ANY: bool>(&mut self, leaf: ChildRef, mask: u32) {
         let (begin, count) = leaf.leaf();
         if leaf.is_other() {
-            for i in 0..count {
-                let other = self.bvh.others[begin + i];
-                self.other::<ANY>(other, mask & !self.found);
-            }
+            self.others_leaf::<ANY>(leaf, mask & !self.found);
             return;
         }
         if mask.count_ones() <= FEW {
@@ -165,7 +161,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
         }
         for index in begin..begin + count {
             // SAFETY: leaf references of the builder are ranges of blocks.
-            let block = unsafe { self.bvh.blocks.get_unchecked(index) };
+            let block = unsafe { self.accel.bvh.blocks.get_unchecked(index) };
             for lane in 0..WIDTH {
                 let id = block.ids[lane];
                 if id == u32::MAX {
@@ -186,7 +182,6 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
                     self.bests.u = hits.u.select(nearer, self.bests.u);
                     self.bests.v = hits.v.select(nearer, self.bests.v);
                     self.bests.id = W::U32::splat(id).select(nearer, self.bests.id);
-                    self.bests.other = W::U32::splat(Best::NOTHING).select(nearer, self.bests.other);
                 }
                 if hits.doubtful.any() {
                     self.doubtful::<ANY>(corners(block, lane), id, hits.doubtful.bits());
@@ -207,21 +202,22 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let mut best = self.bests.get(lane);
             if let Some(hit) = settle(&self.prepared.shear(lane), corners, best.t) {
                 self.found |= u32::from(ANY) << lane;
-                best.consider(hit, id, Best::NOTHING);
+                best.consider(hit, id);
                 self.bests.set(lane, &best);
             }
         }
     }
 
-    /// A primitive that is no triangle.
+    /// A leaf of primitives that are no triangles.
     #[inline(always)]
-    fn other<const ANY: bool>(&mut self, other: u32, mut lanes: u32) {
+    fn others_leaf<const ANY: bool>(&mut self, leaf: ChildRef, mut lanes: u32) {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let mut best = self.bests.get(lane);
-            let tnear = self.prepared.tnear.to_lanes().0[lane];
-            if self.others.meet(other, &self.rays.get(lane), tnear, &mut best) {
+            let ray = self.rays.get(lane);
+            let probe = Probe { ray: &ray, isa: V::ISA, shear: self.prepared.shear(lane) };
+            if best.meet::<ANY, false>(self.accel, leaf, &probe, None, &mut self.others[lane]) {
                 self.found |= u32::from(ANY) << lane;
                 self.bests.set(lane, &best);
             }
@@ -236,10 +232,11 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let ray = self.rays.get(lane);
-            let Some((slab, shear, _)) = slab::prepare::<V>(&ray, self.bvh.reach) else { continue };
-            let shear = WideShear::<V>::new(&shear);
+            let Some((slab, shear, _)) = slab::prepare::<V>(&ray, self.accel.bvh.reach) else { continue };
+            let prepared = (slab, WideShear::<V>::new(&shear));
             let mut best = self.bests.get(lane);
-            if descend::<V, ANY>(self.bvh, self.others, &ray, &slab, &shear, &mut best, child) {
+            let other = &mut self.others[lane];
+            if descend::<V, ANY, false>(self.accel, &ray, &prepared, None, &mut best, other, child) {
                 self.found |= 1 << lane;
             } else if !ANY {
                 self.bests.set(lane, &best);
@@ -254,34 +251,41 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             t: self.bests.t.to_lanes(),
             u: self.bests.u.to_lanes(),
             v: self.bests.v.to_lanes(),
-            geometry: Lanes::splat(HitPacket::NOTHING),
-            primitive: Lanes::splat(0),
+            ..HitPacket::default()
         };
-        let (ids, others) = (self.bests.id.to_lanes(), self.bests.other.to_lanes());
+        let ids = self.bests.id.to_lanes();
         for lane in 0..LANES {
-            if ids.0[lane] != Best::NOTHING {
-                (out.geometry.0[lane], out.primitive.0[lane]) = self.bvh.numbering.locate(ids.0[lane]);
+            let id = ids.0[lane];
+            if id == Best::NOTHING {
+                continue;
             }
-            if others.0[lane] != Best::NOTHING
-                && let Some(hit) = finish(self.bvh, self.others, &self.rays.get(lane), &self.bests.get(lane))
-            {
-                out.set(lane, &hit);
+            if id == self.others[lane].id() {
+                self.finish_other(lane, &mut out);
+            } else {
+                (out.geometry.0[lane], out.primitive.0[lane]) = self.accel.bvh.numbering.locate(id);
             }
         }
         out
     }
+
+    #[inline(never)]
+    fn finish_other(&self, lane: usize, out: &mut HitPacket) {
+        if let Some(hit) = self.bests.get(lane).hit(self.accel, &self.rays.get(lane), &self.others[lane]) {
+            out.set(lane, &hit);
+        }
+    }
 }
 
 #[inline(always)]
-fn closest_kernel<W: Wide, V: NarrowLanes>(bvh: &Bvh, others: &Others, rays: &RayPacket, active: u32) -> HitPacket {
-    let mut walk = Walk::<W, V>::new(bvh, others, rays, active);
+fn closest_kernel<W: Wide, V: NarrowLanes>(accel: &Accel, rays: &RayPacket, active: u32) -> HitPacket {
+    let mut walk = Walk::<W, V>::new(accel, rays, active);
     walk.run::<false>();
     walk.finish()
 }
 
 #[inline(always)]
-fn occluded_kernel<W: Wide, V: NarrowLanes>(bvh: &Bvh, others: &Others, rays: &RayPacket, active: u32) -> u32 {
-    let mut walk = Walk::<W, V>::new(bvh, others, rays, active);
+fn occluded_kernel<W: Wide, V: NarrowLanes>(accel: &Accel, rays: &RayPacket, active: u32) -> u32 {
+    let mut walk = Walk::<W, V>::new(accel, rays, active);
     walk.run::<true>();
     walk.found
 }
@@ -290,28 +294,28 @@ macro_rules! dispatch {
     ($name:ident $kernel:ident $avx2:ident $avx512:ident $doc:literal -> $output:ty) => {
         #[doc = $doc]
         #[inline]
-        pub(crate) fn $name(isa: Isa, bvh: &Bvh, others: &Others, rays: &RayPacket, active: u32) -> $output {
+        pub(crate) fn $name(isa: Isa, accel: &Accel, rays: &RayPacket, active: u32) -> $output {
             match isa {
-                Isa::Portable => $kernel::<wide::Portable, Portable>(bvh, others, rays, active),
+                Isa::Portable => $kernel::<wide::Portable, Portable>(accel, rays, active),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: values of `Isa` come from detection.
-                Isa::Avx2 => unsafe { $avx2(bvh, others, rays, active) },
+                Isa::Avx2 => unsafe { $avx2(accel, rays, active) },
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: as above.
-                Isa::Avx512 => unsafe { $avx512(bvh, others, rays, active) },
+                Isa::Avx512 => unsafe { $avx512(accel, rays, active) },
             }
         }
 
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-        fn $avx2(bvh: &Bvh, others: &Others, rays: &RayPacket, active: u32) -> $output {
-            $kernel::<wide::Portable, Avx2>(bvh, others, rays, active)
+        fn $avx2(accel: &Accel, rays: &RayPacket, active: u32) -> $output {
+            $kernel::<wide::Portable, Avx2>(accel, rays, active)
         }
 
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq")]
-        fn $avx512(bvh: &Bvh, others: &Others, rays: &RayPacket, active: u32) -> $output {
-            $kernel::<wide::Avx512, Avx512>(bvh, others, rays, active)
+        fn $avx512(accel: &Accel, rays: &RayPacket, active: u32) -> $output {
+            $kernel::<wide::Avx512, Avx512>(accel, rays, active)
         }
     };
 }
