@@ -14,7 +14,7 @@ use crate::triangle::WideShear;
 use crate::wide::{self, Float, LANES, Mask, Wide, Word};
 
 /// Where this many rays or fewer want a child, each goes on by itself.
-const FEW: u32 = 6;
+const FEW: u32 = 3;
 
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1 + WIDTH;
 
