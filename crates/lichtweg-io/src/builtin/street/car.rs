@@ -136,7 +136,7 @@ fn spline([a, b, c, d]: [Vec3; 4], t: f32) -> Vec3 {
 
 /// A wheel about the z axis, its outer side towards +z, in a dark arch.
 fn wheel(b: &mut Builder) {
-    let sides = b.count_along(20.0, 8);
+    let sides = b.count_along(16.0, 8);
     b.tilted(90.0, |b| {
         lathe(b, Material::Rubber, &[[0.0, -0.1], [0.38, -0.1], [0.38, 0.118], [0.0, 0.118]], sides);
         let tyre = [[0.26, -0.06], [0.30, -0.07], [0.31, 0.0], [0.31, 0.1], [0.29, 0.14], [0.2, 0.145]];

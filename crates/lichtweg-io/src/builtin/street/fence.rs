@@ -13,7 +13,7 @@ pub fn railing(b: &mut Builder, length: f32) {
     for y in [0.55, 1.15] {
         cuboid(b, Material::Iron, [0.0, y, -0.018], [length, y + 0.035, 0.018]);
     }
-    let count = (length / 0.15) as usize;
+    let count = (length / 0.17) as usize;
     let step = length / count as f32;
     for i in 0..count {
         let x = (i as f32 + 0.5) * step;

@@ -23,17 +23,14 @@ struct Bed {
 
 /// The roadway from `near` to `far`, down the -z axis.
 pub fn roadway(b: &mut Builder, rng: &mut Random, near: f32, far: f32) {
-    b.quad(
-        Material::Soil,
-        [v(-160.0, -0.06, 60.0), v(160.0, -0.06, 60.0), v(160.0, -0.06, -220.0), v(-160.0, -0.06, -220.0)],
-    );
-    let rows = ((far - near) / b.length(0.24)).round() as usize;
+    plain(b, [-150.0, 150.0], [-210.0, 50.0], -0.06);
+    let rows = ((far - near) / b.length(0.34)).round() as usize;
     let length = (far - near) / rows as f32;
     for row in 0..rows {
         let z = -near - row as f32 * length;
         let mut x = -ROAD;
         while x < ROAD {
-            let mut width = b.length(0.34) * rng.within(0.8..1.25);
+            let mut width = b.length(0.46) * rng.within(0.8..1.25);
             if x + width > ROAD - b.length(0.2) {
                 width = ROAD - x;
             }
@@ -70,7 +67,23 @@ pub fn pavement(b: &mut Builder, rng: &mut Random, from: f32, to: f32) {
             stone(b, rng, Material::Slab, 2, bed, KERB, 0.006);
         }
     }
-    cuboid(b, Material::Soil, [from, -0.05, -PAVEMENT - 30.0], [to, 0.08, -PAVEMENT]);
+    plain(b, [from, to], [-PAVEMENT - 30.0, -PAVEMENT + 0.01], 0.08);
+}
+
+/// Bare ground in squares: single large triangles would overlap everything, and every ray would have to ask them.
+fn plain(b: &mut Builder, [x0, x1]: [f32; 2], [z0, z1]: [f32; 2], y: f32) {
+    const SQUARE: f32 = 10.0;
+    let count = |low: f32, high: f32| ((high - low) / SQUARE).ceil() as u32;
+    let (columns, rows) = (count(x0, x1), count(z0, z1));
+    let at = |low: f32, high: f32, i: u32, n: u32| low + (high - low) * i as f32 / n as f32;
+    let positions = (0..=rows)
+        .flat_map(|j| (0..=columns).map(move |i| v(at(x0, x1, i, columns), y, at(z1, z0, j, rows))));
+    let triangles = (0..rows * columns).flat_map(|cell| {
+        let a = cell / columns * (columns + 1) + cell % columns;
+        let c = a + columns + 2;
+        [[a, a + 1, c], [a, c, c - 1]]
+    });
+    b.add(Material::Soil, Shading::Faceted, positions, triangles);
 }
 
 /// A stone with bevelled edges, a little askew, reaching from z down to z - length; it has no bottom.
@@ -110,7 +123,7 @@ pub fn lawn(b: &mut Builder, rng: &mut Random, [x0, x1]: [f32; 2], [z0, z1]: [f3
     let ground = [v(x0, y, z1), v(x1, y, z1), v(x1, y, z0), v(x0, y, z0)];
     b.quad(Material::Grass(0), ground);
     let width = b.length(0.03);
-    for _ in 0..b.count((x1 - x0) * (z1 - z0) * 45.0) {
+    for _ in 0..b.count((x1 - x0) * (z1 - z0) * 30.0) {
         let foot = v(rng.within(x0..x1), y - 0.005, rng.within(z0..z1));
         let (sin, cos) = rng.within(0.0..std::f32::consts::TAU).sin_cos();
         let side = v(cos, 0.0, sin) * width;

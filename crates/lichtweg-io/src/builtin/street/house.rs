@@ -153,7 +153,7 @@ impl House {
 
     fn side(&self, b: &mut Builder, rng: &mut Random) {
         let mut openings = self.openings(self.depth, 3, None);
-        openings.retain(|_| rng.chance(0.6));
+        openings.retain(|_| rng.chance(0.45));
         wall(b, self.plaster, self.whole(self.depth), &openings, DEPTH);
         openings.iter().for_each(|o| window(b, rng, *o, &self.windows));
         cuboid(b, Material::Stone, [-0.5 * self.depth, -0.1, 0.0], [0.5 * self.depth, PLINTH - 0.02, 0.04]);

@@ -2,10 +2,11 @@
 //!
 //! After the street scene in P. Hanrahan's lecture on path tracing (Stanford CS348B, 2010, lecture 14), rendered with M.
 //! Fajardo's Arnold: 1536 x 654 pixels, 16 paths for each, 2 bounces, 250,000 faces, in 18 minutes on two processors of
-//! 800 MHz. That picture has its own models; this one has as many faces, of kinds that give a ray engine the same work:
-//! small next to large, leaves, thin wires, long shadows, light that is mostly diffuse.
+//! 800 MHz. That picture has models of its own; this one has twice its faces, and is as hard on a ray engine: small things
+//! beside large ones, leaves, thin wires, and light that is mostly diffuse.
 //!
-//! Everything is generated: a function of a level of detail and a seed. Lengths are metres, y points up.
+//! Everything is generated, a function of a level of detail and a seed: the same on any machine whose sines are. Lengths are
+//! metres, y points up. [`plan`] says what stands where.
 
 mod builder;
 mod car;
@@ -43,7 +44,7 @@ pub const DETAIL: std::ops::RangeInclusive<f32> = 0.05..=32.0;
 /// What a street is a function of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Factor on the number of leaves, stones and tiles, in [`DETAIL`]; at 1 there are about 300,000 faces.
+    /// Factor on the number of leaves, stones and tiles, in [`DETAIL`]; at 1 there are 500,000 faces and more.
     pub detail: f32,
     /// Of houses, trees, cars and their places.
     pub seed: u64,

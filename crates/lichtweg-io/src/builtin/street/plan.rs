@@ -19,8 +19,8 @@ use super::tree::{tree, tree_pit};
 use super::wires::{HEIGHT, INSULATORS, pole, wire};
 
 /// The street begins behind the camera and ends at a square.
-const NEAR: f32 = -22.0;
-const FAR: f32 = 84.0;
+const NEAR: f32 = -13.0;
+const FAR: f32 = 72.0;
 /// From the middle of the road to the fronts of the houses.
 const FRONT: f32 = 10.0;
 /// Between telegraph poles.
@@ -59,7 +59,7 @@ pub fn street(b: &mut Builder, rng: &mut Random) {
     }
     telegraph(b);
     b.at(0.0, 0.0, -FAR - 22.0, |b| church(b, &mut rng.fork()));
-    for x in [-30.0, -21.0, -12.5, 12.5, 21.0, 30.0] {
+    for x in [-21.0, -12.5, 12.5, 21.0] {
         let rng = &mut rng.fork();
         b.at(x, KERB, -FAR - 18.0, |b| House::new(rng, 8.4).build(b, rng));
     }
@@ -73,13 +73,13 @@ pub fn street(b: &mut Builder, rng: &mut Random) {
 fn houses(b: &mut Builder, rng: &mut Random, side: Side) {
     let mut s = NEAR + rng.within(0.0..3.0);
     while s < FAR - 6.0 {
-        let width = rng.within(7.0..10.4);
+        let width = rng.within(7.6..11.4);
         let middle = side.along(s + 0.5 * width);
         let house = House::new(rng, width);
         b.at(middle, KERB, -FRONT - rng.jitter(0.25), |b| house.build(b, &mut rng.fork()));
         b.at(middle, 0.0, -PAVEMENT, |b| garden(b, &mut rng.fork(), width));
         s += width;
-        if rng.chance(0.45) {
+        if rng.chance(if side == Side::Left { 0.4 } else { 0.6 }) {
             let gap = rng.within(2.8..4.6);
             let x = side.along(s + 0.5 * gap);
             b.at(x - 0.5 * gap, KERB, -FRONT, |b| low_wall(b, &mut rng.fork(), gap));
@@ -102,11 +102,9 @@ fn garden(b: &mut Builder, rng: &mut Random, width: f32) {
             _ => b.at(0.0, 0.0, -0.3, |b| hedge(b, rng, length, 1.0)),
         });
         lawn(b, rng, [x, x + length], [PAVEMENT - FRONT - 0.2, -0.3], KERB);
-        for _ in 0..2 {
-            let radius = rng.within(0.3..0.55);
-            let place = rng.within(x + 0.5..x + length - 0.5);
-            b.at(place, KERB + 0.8 * radius, PAVEMENT - FRONT + 0.55, |b| bush(b, rng, radius));
-        }
+        let radius = rng.within(0.3..0.55);
+        let place = rng.within(x + 0.5..x + length - 0.5);
+        b.at(place, KERB + 0.8 * radius, PAVEMENT - FRONT + 0.55, |b| bush(b, rng, radius));
         if rng.chance(0.5) {
             let place = if x < 0.0 { -way - 0.5 } else { way + 0.5 };
             b.at(place, KERB, -1.2, |b| {
@@ -119,15 +117,15 @@ fn garden(b: &mut Builder, rng: &mut Random, width: f32) {
 
 /// Along the kerb: trees, lamps between them, benches and bollards.
 fn kerbside(b: &mut Builder, rng: &mut Random, side: Side) {
-    let offset = if side == Side::Left { 0.0 } else { 6.5 };
+    let offset = if side == Side::Left { 6.5 } else { 10.5 };
     let mut s = NEAR + 3.0 + offset;
     let mut turn = 0;
     while s < FAR - 3.0 {
-        b.at(side.along(s), KERB, -ROAD - 0.9, |b| match turn % 2 {
-            0 => {
+        b.at(side.along(s), KERB, -ROAD - 0.9, |b| match turn % 3 {
+            1 => {
                 tree_pit(b);
-                let height = rng.within(7.2..8.8);
-                tree(b, &mut rng.fork(), height, 3600.0);
+                let height = rng.within(6.4..7.8);
+                tree(b, &mut rng.fork(), height, 2200.0);
             }
             _ => lamp(b),
         });
@@ -151,7 +149,7 @@ fn cars(b: &mut Builder, rng: &mut Random, side: Side) {
     let mut s = NEAR + rng.within(1.0..4.0);
     while s < FAR - 8.0 {
         if rng.chance(0.5) {
-            let degrees = rng.jitter(2.0) + if side == Side::Left { 180.0 } else { 180.0 };
+            let degrees = 180.0 + rng.jitter(2.0);
             b.at(side.along(s), 0.03, -ROAD + 1.15, |b| b.turned(degrees, |b| car(b, &mut rng.fork())));
         }
         s += rng.within(5.2..6.6);
@@ -171,7 +169,7 @@ fn telegraph(b: &mut Builder) {
                 wire(b, at(i), at(i + 1), 0.55 + 0.06 * k as f32);
             }
         }
-        for dz in [-5.0, 4.0] {
+        for dz in [-5.0, 4.0].into_iter().filter(|_| i > 1) {
             let from: Vec3 = v(x - 0.8, KERB + HEIGHT, place(i) + 0.105);
             wire(b, from, v(-FRONT, 6.6, place(i) + dz), 0.35);
         }

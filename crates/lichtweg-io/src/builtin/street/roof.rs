@@ -53,8 +53,8 @@ impl Roof {
 
     /// Overlapping rows of flat tiles, each row shifted by half a tile, each tile a little askew.
     fn tiles(&self, b: &mut Builder, rng: &mut Random, length: f32) {
-        let rows = (length / b.length(0.36)).ceil() as usize;
-        let columns = (self.length / b.length(0.32)).ceil() as usize;
+        let rows = (length / b.length(0.5)).ceil() as usize;
+        let columns = (self.length / b.length(0.46)).ceil() as usize;
         let (height, width) = (length / rows as f32, self.length / columns as f32);
         for row in 0..rows {
             let shift = if row % 2 == 0 { 0.0 } else { -0.5 };

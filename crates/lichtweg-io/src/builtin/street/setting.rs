@@ -8,32 +8,37 @@ use lichtweg::scene::description::{
     IntegratorDescription, LightDescription, LightKind, Pixels, SamplerDescription, Span,
     SpectrumDescription,
 };
+use lichtweg_montecarlo::SamplerKind;
 use lichtweg_ray::math::{Affine, Vec3};
 
 /// Towards the sun.
-const SUN: Vec3 = Vec3::new(0.66, 0.56, 0.30);
+const SUN: Vec3 = Vec3::new(0.60, 0.56, 0.34);
 /// Of the sun on a plane that faces it, W / m^2.
-const SUNLIGHT: [f32; 3] = [3.3, 2.95, 2.4];
+const SUNLIGHT: [f32; 3] = [4.3, 3.85, 3.1];
 /// Radiance of the sky overhead and at the horizon, W / (m^2 sr).
-const ZENITH: [f32; 3] = [0.22, 0.34, 0.55];
-const HORIZON: [f32; 3] = [0.74, 0.78, 0.80];
+const ZENITH: [f32; 3] = [0.26, 0.40, 0.64];
+const HORIZON: [f32; 3] = [0.80, 0.85, 0.88];
 /// What the sky gains towards the sun.
 const GLOW: [f32; 3] = [0.55, 0.45, 0.30];
 
 /// A description with everything but shapes: the lecture's picture has 1536 x 654 pixels, 16 paths for each, 2 bounces.
 pub fn describe() -> Description {
     // A level camera with its film shifted, as photographs of buildings are taken: what is upright stays so.
-    let to_world = Affine::look_at([1.1, 4.6, 15.0], [-0.9, 4.6, -30.0], [0.0, 1.0, 0.0]);
+    let to_world = Affine::look_at([1.5, 5.8, 15.0], [-0.8, 5.8, -30.0], [0.0, 1.0, 0.0]);
     Description {
         name: "street".to_owned(),
         camera: CameraDescription {
             to_world: to_world.expect("the camera looks along the street"),
             field_of_view: FieldOfView::Angle { degrees: 62.0, axis: FovAxis::X },
-            principal_point_offset: [0.0, 0.0],
+            principal_point_offset: [0.0, -0.03],
             ..CameraDescription::default()
         },
         film: FilmDescription { width: 1536, height: 654, ..FilmDescription::default() },
-        sampler: SamplerDescription { samples_per_pixel: 16, ..SamplerDescription::default() },
+        sampler: SamplerDescription {
+            samples_per_pixel: 16,
+            kind: SamplerKind::Sobol,
+            ..SamplerDescription::default()
+        },
         integrator: IntegratorDescription { max_depth: Some(3), ..IntegratorDescription::default() },
         lights: vec![light("sun", sun()), light("sky", sky())],
         ..Description::default()

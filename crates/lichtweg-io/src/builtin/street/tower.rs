@@ -7,7 +7,7 @@ use super::roof::Roof;
 use super::solids::{Rectangle, cuboid, frustum, lathe, prism, v, wall};
 
 const HALF: f32 = 3.2;
-const HEIGHT: f32 = 19.0;
+const HEIGHT: f32 = 17.0;
 
 /// The church, its tower's middle at the origin and its front towards +z.
 pub fn church(b: &mut Builder, rng: &mut Random) {
@@ -16,12 +16,12 @@ pub fn church(b: &mut Builder, rng: &mut Random) {
     }
     for x in [-HALF, HALF] {
         for z in [-HALF, HALF] {
-            for (low, high, out) in [(-0.1, 6.0, 0.55), (6.0, 12.0, 0.4), (12.0, HEIGHT, 0.28)] {
+            for (low, high, out) in [(-0.1, 6.0, 0.55), (6.0, 10.0, 0.4), (10.0, HEIGHT, 0.28)] {
                 cuboid(b, Material::Stone, [x - out, low, z - out], [x + out, high, z + out]);
             }
         }
     }
-    for (y, out) in [(6.0, 0.12), (12.0, 0.12), (HEIGHT - 0.3, 0.4)] {
+    for (y, out) in [(6.0, 0.12), (10.0, 0.12), (HEIGHT - 0.3, 0.4)] {
         let edge = HALF + out;
         cuboid(b, Material::Stone, [-edge, y, -edge], [edge, y + 0.3, edge]);
     }
@@ -38,8 +38,8 @@ pub fn church(b: &mut Builder, rng: &mut Random) {
 
 /// One side of the tower.
 fn face(b: &mut Builder) {
-    let bell = Rectangle { x0: -0.9, x1: 0.9, y0: 12.9, y1: 16.2 };
-    let slits = [3.2, 8.0].map(|y| Rectangle { x0: -0.35, x1: 0.35, y0: y, y1: y + 2.0 });
+    let bell = Rectangle { x0: -0.9, x1: 0.9, y0: 10.9, y1: 14.2 };
+    let slits = [3.0, 7.0].map(|y| Rectangle { x0: -0.35, x1: 0.35, y0: y, y1: y + 2.0 });
     let whole = Rectangle { x0: -HALF, x1: HALF, y0: -0.1, y1: HEIGHT };
     wall(b, Material::Plaster(7), whole, &[bell, slits[0], slits[1]], 0.5);
     for o in [bell, slits[0], slits[1]] {
@@ -60,7 +60,7 @@ fn face(b: &mut Builder) {
             b.tilted(35.0, |b| cuboid(b, Material::Wood, [-0.88, 0.0, 0.0], [0.88, 0.04, 0.36]))
         });
     }
-    b.at(0.0, 17.5, 0.0, |b| {
+    b.at(0.0, 15.6, 0.0, |b| {
         let sides = b.count_along(32.0, 12);
         b.tilted(90.0, |b| {
             lathe(b, Material::Trim, &[[0.85, -0.05], [0.9, 0.1], [0.0, 0.11]], sides);

@@ -67,7 +67,7 @@ pub fn tree_pit(b: &mut Builder) {
 
 /// Draws a branch as a bent tube, and lets others grow from its upper part.
 fn grow(b: &mut Builder, rng: &mut Random, branch: Branch, ends: &mut Vec<Vec3>) {
-    let steps = [3, 4, 5, 6][usize::from(branch.order)];
+    let steps = [2, 3, 5, 6][usize::from(branch.order)];
     let mut path = vec![branch.start];
     let mut heading = branch.direction;
     for _ in 0..steps {
@@ -77,7 +77,7 @@ fn grow(b: &mut Builder, rng: &mut Random, branch: Branch, ends: &mut Vec<Vec3>)
     }
     let taper = |i: usize| branch.radius * (1.0 - 0.6 * i as f32 / steps as f32);
     let flare = |i: usize| if branch.order == 3 && i == 0 { 1.5 } else { 1.0 };
-    let sides = b.count_along([4.0, 5.0, 6.0, 10.0][usize::from(branch.order)], 3);
+    let sides = b.count_along([3.0, 4.0, 6.0, 10.0][usize::from(branch.order)], 3);
     tube(b, Material::Bark, &path, |i| taper(i) * flare(i), sides);
     if branch.order == 0 {
         ends.extend([path[steps - 1], path[steps]]);

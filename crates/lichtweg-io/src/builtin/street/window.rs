@@ -129,7 +129,7 @@ fn shutter(b: &mut Builder, paint: Material, w: f32, h: f32) {
     for y in [0.0, 0.5 * (h - frame), h - frame] {
         cuboid(b, paint, [frame, y, -thick], [w - frame, y + frame, thick * 0.5]);
     }
-    let count = b.count_along(16.0, 4);
+    let count = b.count_along(11.0, 4);
     let step = (h - 2.0 * frame) / count as f32;
     for i in 0..count {
         let y = frame + i as f32 * step;
