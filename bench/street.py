@@ -21,7 +21,7 @@ sys.dont_write_bytecode = True  # No __pycache__ in the source tree.
 import peers
 import report
 
-PICTURE = peers.ROOT / "docs" / "images" / "street.png"
+PICTURE = peers.ROOT / "docs" / "images" / "street.jpg"
 README = peers.ROOT / "README.md"
 MARKERS = ("<!-- street: begin -->", "<!-- street: end -->")
 LECTURE_SECONDS = 18 * 60

@@ -30,7 +30,7 @@ fn bad_values_say_what_was_expected() {
         ("--seed", "-1", "whole number"),
         ("--layers", "alpha", "variance"),
         ("--exposure", "bright", "stops"),
-        ("-o", "image.jpg", ".exr"),
+        ("-o", "image.gif", ".exr"),
         ("-o", "image", ".exr"),
         ("-D", "spp", "NAME=VALUE"),
     ] {

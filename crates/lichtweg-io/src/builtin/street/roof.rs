@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use super::palette::Material;
 use super::random::Random;
-use super::solids::{cuboid, lathe, prism, tube, v};
+use super::solids::{ball, cuboid, lathe, prism, tube, v};
 
 /// A gable roof over a rectangle about the origin, its ridge along x.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +85,11 @@ impl Roof {
             let y = self.rise + THICKNESS + 0.03 + rng.jitter(0.008);
             let tile = Material::Tile(self.tone + rng.below(3));
             tube(b, tile, &[v(x, y, 0.0), v(x + 1.08 * step, y, 0.0)], |end| [0.15, 0.125][end], sides);
+        }
+        for x in [-0.5, 0.5] {
+            b.at(x * self.length, self.rise + THICKNESS + 0.03, 0.0, |b| {
+                ball(b, Material::Tile(self.tone), 0.155, 8)
+            });
         }
     }
 }
