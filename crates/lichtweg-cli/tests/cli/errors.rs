@@ -53,6 +53,17 @@ fn unknown_scenes_and_commands() {
 }
 
 #[test]
+fn parameters_of_the_generated_scene() {
+    let place = Workplace::new();
+    let fail = |define| place.fail(1, &["render", "builtin:street", "-D", define]);
+    for wrong in ["detail=0", "detail=33", "detail=NaN", "detail=many"] {
+        assert!(fail(wrong).contains("a number from 0.05 to 32 expected"), "{wrong}");
+    }
+    assert!(fail("seed=-1").contains("a whole number"));
+    assert!(fail("details=1").contains("it has: detail, seed"));
+}
+
+#[test]
 fn scene_errors_point_at_the_line() {
     let place = Workplace::with(&SCENE.replace("\"diffuse\"", "\"difuse\""));
     let stderr = place.fail(1, &["render", "scene.xml"]);

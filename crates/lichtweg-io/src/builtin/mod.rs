@@ -102,32 +102,9 @@ impl BuiltinScene {
 /// The parameters given with `-D`; `None`, with findings, where one is wrong.
 fn street_parameters(options: &ReadOptions, diagnostics: &mut Diagnostics) -> Option<street::Parameters> {
     let mut parameters = street::Parameters::default();
-    let mut sound = true;
-    for (name, value) in &options.defines {
-        let wrong = match name.as_str() {
-            "detail" => match value.parse() {
-                Ok(detail) if street::DETAIL.contains(&detail) => {
-                    parameters.detail = detail;
-                    continue;
-                }
-                _ => format!("a number from {} to {}", street::DETAIL.start(), street::DETAIL.end()),
-            },
-            "seed" => match value.parse() {
-                Ok(seed) => {
-                    parameters.seed = seed;
-                    continue;
-                }
-                Err(_) => "a whole number from 0 on".to_owned(),
-            },
-            _ => {
-                let message = format!("-D {name}={value}: the scene has no such parameter");
-                diagnostics.push(Diagnostic::error("unused-define", message).help("it has: detail, seed"));
-                sound = false;
-                continue;
-            }
-        };
-        diagnostics.push(Diagnostic::error("bad-value", format!("-D {name}={value}: {wrong} expected")));
-        sound = false;
-    }
+    let set = |(name, value): &(String, String)| parameters.set(name, value).err();
+    let findings: Vec<Diagnostic> = options.defines.iter().filter_map(set).collect();
+    let sound = findings.is_empty();
+    diagnostics.list.extend(findings);
     sound.then_some(parameters)
 }

@@ -13,12 +13,14 @@ use super::window::{DEPTH, Surround, WindowStyle, window};
 pub struct House {
     /// Along the street.
     pub width: f32,
-    /// From the street backwards.
-    pub depth: f32,
-    /// Storeys below the roof.
-    pub storeys: u8,
+    /// The middle of the door along the street, from the middle of the house.
+    pub door: f32,
+    depth: f32,
+    storeys: u8,
+    bays: usize,
+    door_bay: usize,
     /// The gable, rather than the eaves, faces the street.
-    pub gable_front: bool,
+    gable_front: bool,
     plaster: Material,
     windows: WindowStyle,
     paint: Material,
@@ -37,12 +39,17 @@ impl House {
         let depth = rng.within(8.5..10.5);
         let gable_front = width < 8.2 && rng.chance(0.45);
         let span = if gable_front { width } else { depth };
+        let bays = ((width - 0.6) / 2.1) as usize;
+        let door_bay = usize::from(rng.below(bays as u8));
         let paint = Material::Paint(rng.below(PAINTS));
         let surrounds = [Surround::Band, Surround::Cornice, Surround::Keystone];
         let panes = [(2, 3), (2, 2), (3, 4), (2, 4)][usize::from(rng.below(4))];
         Self {
             width,
+            door: (door_bay as f32 + 0.5) * width / bays as f32 - 0.5 * width,
             depth,
+            bays,
+            door_bay,
             storeys: 2 + u8::from(rng.chance(0.35)),
             gable_front,
             plaster: Material::Plaster(rng.below(PLASTERS)),
@@ -101,11 +108,8 @@ impl House {
     }
 
     fn front(&self, b: &mut Builder, rng: &mut Random) {
-        let bays = ((self.width - 0.6) / 2.1) as usize;
-        let door_bay = usize::from(rng.below(bays as u8));
-        let windows = self.openings(self.width, bays, Some(door_bay));
-        let x = (door_bay as f32 + 0.5) * self.width / bays as f32 - 0.5 * self.width;
-        let way = Rectangle { x0: x - 0.55, x1: x + 0.55, y0: PLINTH, y1: PLINTH + 2.65 };
+        let windows = self.openings(self.width, self.bays, Some(self.door_bay));
+        let way = Rectangle { x0: self.door - 0.55, x1: self.door + 0.55, y0: PLINTH, y1: PLINTH + 2.65 };
         let all: Vec<Rectangle> = windows.iter().copied().chain([way]).collect();
         wall(b, self.plaster, self.whole(self.width), &all, DEPTH);
         windows.iter().for_each(|o| window(b, rng, *o, &self.windows));
@@ -162,7 +166,7 @@ impl House {
         }
     }
 
-    /// The triangle under the roof of the wall z = 0, with a round-headed light.
+    /// The triangle under the roof of the wall z = 0, with a small window.
     fn gable(&self, b: &mut Builder, rng: &mut Random, width: f32) {
         let (half, y) = (0.5 * width, self.eaves());
         prism(b, self.plaster, &[[-half, y], [half, y], [0.0, y + self.rise]], -0.2, 0.0);

@@ -32,7 +32,7 @@ mod wires;
 
 use std::sync::Arc;
 
-use lichtweg::scene::description::{Description, GeometryDescription, ShapeDescription, Span};
+use lichtweg::scene::description::{Description, Diagnostic, GeometryDescription, ShapeDescription, Span};
 use lichtweg_ray::math::{Affine, Vec3};
 
 use builder::Builder;
@@ -53,6 +53,31 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         Self { detail: 1.0, seed: 1 }
+    }
+}
+
+impl Parameters {
+    /// Sets one by its name, from what stands behind `-D NAME=`.
+    ///
+    /// # Errors
+    /// There is no parameter of that name, or the value is none of its.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), Diagnostic> {
+        let bad = |expected: String| {
+            Diagnostic::error("bad-value", format!("-D {name}={value}: {expected} expected"))
+        };
+        match name {
+            "detail" => {
+                let range = format!("a number from {} to {}", DETAIL.start(), DETAIL.end());
+                let detail = value.parse().ok().filter(|detail| DETAIL.contains(detail));
+                self.detail = detail.ok_or_else(|| bad(range))?;
+            }
+            "seed" => self.seed = value.parse().map_err(|_| bad("a whole number, at least 0,".to_owned()))?,
+            _ => {
+                let message = format!("-D {name}={value}: the scene has no such parameter");
+                return Err(Diagnostic::error("unused-define", message).help("it has: detail, seed"));
+            }
+        }
+        Ok(())
     }
 }
 

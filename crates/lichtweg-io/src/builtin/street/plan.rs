@@ -12,8 +12,9 @@ use super::furniture::{bench, bin, bollard, planter};
 use super::ground::{KERB, PAVEMENT, ROAD, lawn, pavement, roadway};
 use super::house::House;
 use super::lamp::lamp;
+use super::palette::Material;
 use super::random::Random;
-use super::solids::v;
+use super::solids::{cuboid, v};
 use super::tower::church;
 use super::tree::{tree, tree_pit};
 use super::wires::{HEIGHT, INSULATORS, pole, wire};
@@ -77,7 +78,7 @@ fn houses(b: &mut Builder, rng: &mut Random, side: Side) {
         let middle = side.along(s + 0.5 * width);
         let house = House::new(rng, width);
         b.at(middle, KERB, -FRONT - rng.jitter(0.25), |b| house.build(b, &mut rng.fork()));
-        b.at(middle, 0.0, -PAVEMENT, |b| garden(b, &mut rng.fork(), width));
+        b.at(middle, 0.0, -PAVEMENT, |b| garden(b, &mut rng.fork(), &house));
         s += width;
         if rng.chance(if side == Side::Left { 0.4 } else { 0.6 }) {
             let gap = rng.within(2.8..4.6);
@@ -89,24 +90,28 @@ fn houses(b: &mut Builder, rng: &mut Random, side: Side) {
     }
 }
 
-/// Behind the pavement: a fence of some kind with a gap before the door, grass, and bushes.
-fn garden(b: &mut Builder, rng: &mut Random, width: f32) {
-    let (half, way) = (0.5 * width, 0.7);
+/// Behind the pavement: a fence of some kind with a gap before the door, a path, grass, and bushes.
+fn garden(b: &mut Builder, rng: &mut Random, house: &House) {
+    let (half, way) = (0.5 * house.width, 0.7);
     let kind = rng.below(4);
-    for x in [-half, way] {
-        let length = half - way;
+    cuboid(b, Material::Stone, [house.door - way, 0.0, PAVEMENT - FRONT], [house.door + way, KERB, 0.0]);
+    for [x, end] in [[-half, house.door - way], [house.door + way, half]] {
+        let length = end - x;
+        if length < 1.0 {
+            continue;
+        }
         b.at(x, KERB, -0.2, |b| match kind {
             0 => railing(b, length),
             1 => pickets(b, rng, length),
             2 => low_wall(b, rng, length),
             _ => b.at(0.0, 0.0, -0.3, |b| hedge(b, rng, length, 1.0)),
         });
-        lawn(b, rng, [x, x + length], [PAVEMENT - FRONT - 0.2, -0.3], KERB);
+        lawn(b, rng, [x, end], [PAVEMENT - FRONT - 0.2, -0.3], KERB);
         let radius = rng.within(0.3..0.55);
-        let place = rng.within(x + 0.5..x + length - 0.5);
+        let place = rng.within(x + 0.4..end - 0.4);
         b.at(place, KERB + 0.8 * radius, PAVEMENT - FRONT + 0.55, |b| bush(b, rng, radius));
         if rng.chance(0.5) {
-            let place = if x < 0.0 { -way - 0.5 } else { way + 0.5 };
+            let place = if end < house.door { end - 0.5 } else { x + 0.5 };
             b.at(place, KERB, -1.2, |b| {
                 planter(b, rng);
                 b.at(0.0, 0.75, 0.0, |b| bush(b, rng, 0.34));

@@ -40,6 +40,17 @@ fn is_a_function_of_its_parameters() {
 }
 
 #[test]
+fn parameters_are_set_by_name() {
+    let mut parameters = Parameters::default();
+    parameters.set("detail", "0.5").unwrap();
+    parameters.set("seed", "7").unwrap();
+    assert_eq!(parameters, Parameters { detail: 0.5, seed: 7 });
+    assert_eq!(parameters.set("detail", "1e9").unwrap_err().code, "bad-value");
+    assert_eq!(parameters.set("spp", "1").unwrap_err().code, "unused-define");
+    assert_eq!(parameters, Parameters { detail: 0.5, seed: 7 });
+}
+
+#[test]
 fn triangles_have_area_and_normals_have_length() {
     for detail in [0.05, 1.0, 3.0] {
         let description = describe(with_detail(detail));
