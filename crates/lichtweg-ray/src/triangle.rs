@@ -180,9 +180,8 @@ fn wide<V: Lanes>([x, y, z]: [f32; 3]) -> [V; 3] {
     [V::splat(x), V::splat(y), V::splat(z)]
 }
 
-/// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
 /// The scalar test, with the same result as the vector test where that is definite.
-fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
+pub(crate) fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
     let [a, b, c] = corners.map(|p| {
         let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p[shear.axes[i]] - shear.origin[i]);
@@ -202,6 +201,7 @@ fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     Some(TriangleHit { t, u: v, v: w })
 }
 
+/// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
 fn exact(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
     let [a, b, c] = corners.map(|p| {
