@@ -7,6 +7,7 @@ use crate::bvh::{self, Bvh};
 use crate::geometry::Geometry;
 use crate::kind::{Item, Kind};
 use crate::math::{Affine, Bounds3, Vec3};
+use crate::packet::{self, HitPacket, RayPacket};
 use crate::ray::{Accept, Hit, Ray, unit_time};
 use crate::simd::Isa;
 use crate::triangle::TriangleHit;
@@ -202,6 +203,24 @@ impl Accel {
         match self.kinds.get(hit.instances[0] as usize) {
             Some(Kind::Instance(instance)) => instance.path_to_world(hit, unit_time(time)),
             _ => Affine::IDENTITY,
+        }
+    }
+
+    /// [`Accel::closest`] of the rays of a packet whose bit in `active` is set; the other lanes hit nothing.
+    #[inline]
+    pub fn closest_packet(&self, rays: &RayPacket, active: u32) -> HitPacket {
+        match self.common_mask {
+            u32::MAX => packet::closest(self.isa, self, rays, active),
+            _ => packet::closest_one_by_one(self, rays, active),
+        }
+    }
+
+    /// [`Accel::occluded`] of the rays of a packet whose bit in `active` is set: a bit a ray.
+    #[inline]
+    pub fn occluded_packet(&self, rays: &RayPacket, active: u32) -> u32 {
+        match self.common_mask {
+            u32::MAX => packet::occluded(self.isa, self, rays, active),
+            _ => packet::occluded_one_by_one(self, rays, active),
         }
     }
 

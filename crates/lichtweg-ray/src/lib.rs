@@ -70,11 +70,14 @@ mod geometry;
 mod kind;
 pub mod math;
 mod memory;
+mod packet;
 mod ray;
 mod simd;
 mod triangle;
+pub mod wide;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
 pub use geometry::{Geometry, TriangleMesh};
 pub use kind::{Instance, MovingMesh, Placement, Quadric, QuadricShape, UserHit, UserPrimitives};
+pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};

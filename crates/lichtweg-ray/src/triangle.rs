@@ -14,10 +14,10 @@ use crate::math::Vec3;
 use crate::simd::Lanes;
 
 /// Doubled projected areas below this are left to `f64`.
-const TINY_AREA: f32 = 7.888_609e-31; // 2^-100
+pub(crate) const TINY_AREA: f32 = 7.888_609e-31; // 2^-100
 
 /// Relative slack of the first look at the depth.
-const SLACK: f32 = 1e-6;
+pub(crate) const SLACK: f32 = 1e-6;
 
 /// A ray's shear: the axis z of largest direction component, the other two, and the map to the z axis.
 #[derive(Clone, Copy, Debug)]

@@ -23,7 +23,6 @@ pub struct Camera {
     focus_distance: f32,
     near: f32,
     far: f32,
-    shutter: [f32; 2],
 }
 
 impl Camera {
@@ -66,7 +65,6 @@ impl Camera {
             focus_distance: description.focus_distance,
             near: description.near_clip.max(0.0),
             far: description.far_clip,
-            shutter: description.shutter,
         })
     }
 
