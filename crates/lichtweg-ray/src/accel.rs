@@ -195,13 +195,11 @@ impl Accel {
         }
     }
 
-    /// The map from the innermost instance that a hit names to the space of this structure, at a time in [0, 1].
-    ///
-    /// # Panics
-    /// May do so where the hit is from elsewhere.
-    pub fn instance_to_world(&self, hit: &Hit, time: f32) -> Affine {
-        match self.kinds.get(hit.instances[0] as usize) {
-            Some(Kind::Instance(instance)) => instance.path_to_world(hit, unit_time(time)),
+    /// The map to the space of this structure from that of the innermost of some instances, as a [`Hit`] names them, at a
+    /// time in [0, 1]. The identity for none.
+    pub fn instance_to_world(&self, instances: &[u32; Hit::MAX_INSTANCES], time: f32) -> Affine {
+        match self.kinds.get(instances[0] as usize) {
+            Some(Kind::Instance(instance)) => instance.path_to_world(instances, unit_time(time)),
             _ => Affine::IDENTITY,
         }
     }

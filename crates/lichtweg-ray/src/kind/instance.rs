@@ -160,8 +160,9 @@ impl PlacedInstance {
         self.to_world(ray.time).normal(self.accel.normal(&local, &hit.outside()))
     }
 
-    /// The map from the innermost instance to the outer structure.
-    pub(crate) fn path_to_world(&self, hit: &Hit, time: f32) -> Affine {
-        self.to_world(time).after(&self.accel.instance_to_world(&hit.outside(), time))
+    /// The map from the innermost of some instances, of which this is the first, to the outer structure.
+    pub(crate) fn path_to_world(&self, instances: &[u32; Hit::MAX_INSTANCES], time: f32) -> Affine {
+        let rest = [instances[1], Hit::NO_INSTANCE];
+        self.to_world(time).after(&self.accel.instance_to_world(&rest, time))
     }
 }

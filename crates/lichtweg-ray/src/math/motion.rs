@@ -61,7 +61,7 @@ impl Motion {
     }
 
     /// The times of the keys and their maps.
-    pub fn keys(&self) -> impl Iterator<Item = (f32, &Affine)> {
+    pub fn keys(&self) -> impl ExactSizeIterator<Item = (f32, &Affine)> {
         self.keys.iter().map(|k| (k.time as f32, &k.map))
     }
 

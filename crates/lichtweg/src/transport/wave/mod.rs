@@ -166,11 +166,8 @@ impl<O: PathObserver> Step<'_, O> {
     /// What sixteen walks do at their vertices.
     #[inline(always)]
     fn vertices<W: Wide>(&mut self, at: usize, active: u32, rays: &RayPacket, hits: &HitPacket) {
-        let fast = if self.observer.watches(self.depth) {
-            0
-        } else {
-            self.diffuse_vertices::<W>(at, active, hits)
-        };
+        let fast =
+            if self.observer.watches(self.depth) { 0 } else { self.diffuse_vertices::<W>(at, active, hits) };
         for lane in lanes_of(active & !fast) {
             self.vertex(at + lane, &rays.get(lane), hits, lane);
         }
@@ -181,9 +178,9 @@ impl<O: PathObserver> Step<'_, O> {
         let Self { tracer, scene, wave, counts, observer, depth } = self;
         let (mut walk, path) = wave.walks.get(at, wave.kind);
         walk.ray = *ray;
-        let point = hits.get(lane).and_then(|hit| {
-            scene.point(ray, &hit, &mut counts.rays, || walk.sampler.next_1d())
-        });
+        let point = hits
+            .get(lane)
+            .and_then(|hit| scene.point(ray, &hit, &mut counts.rays, || walk.sampler.next_1d()));
         let arrival = tracer.arrive(scene, path, *depth, &mut walk, point.as_ref(), *observer);
         wave.radiance[path as usize] += arrival.emitted;
         if let Some(connection) = arrival.connection {

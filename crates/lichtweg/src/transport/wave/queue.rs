@@ -5,8 +5,8 @@ use lichtweg_ray::math::Vec3;
 use lichtweg_ray::wide::{Float, LANES, Lanes, Mask, Wide, Word};
 use lichtweg_ray::{Ray, RayPacket};
 
-use super::vector::{Spectra, Vector};
 use super::super::path::{Connection, Departure, Walk};
+use super::vector::{Spectra, Vector};
 use crate::color::Spectrum;
 
 /// Walks in a queue, at most. More amortise the passes over a queue, fewer stay in the cache.
@@ -138,16 +138,10 @@ impl WalkQueue {
         let key = u64::from(self.key[1][at]) << 32 | u64::from(self.key[0][at]);
         let state = SamplerState { key, index: self.index[at], dimension: self.dimension[at] };
         let walk = Walk {
-            ray: Ray {
-                time: self.time[at],
-                ..Ray::new(get3(&self.origin, at), get3(&self.direction, at))
-            },
+            ray: Ray { time: self.time[at], ..Ray::new(get3(&self.origin, at), get3(&self.direction, at)) },
             throughput: Spectrum([0, 1, 2, 3].map(|i| self.throughput[i][at])),
             eta: self.eta[at],
-            departure: Departure {
-                position: get3(&self.departure, at),
-                pdf: (pdf != NO_PDF).then_some(pdf),
-            },
+            departure: Departure { position: get3(&self.departure, at), pdf: (pdf != NO_PDF).then_some(pdf) },
             sampler: Sampler::from_state(kind, state),
         };
         (walk, self.path[at])
