@@ -93,6 +93,7 @@ pub fn describe(parameters: Parameters) -> Description {
             flip_normals: false,
             material: material.describe(&mut description),
             emission: None,
+            group: None,
         };
         description.shapes.push(shape);
     }
