@@ -52,7 +52,7 @@ pub struct Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { detail: 1.0, seed: 1 }
+        Self { detail: 1.0, seed: 4 }
     }
 }
 
