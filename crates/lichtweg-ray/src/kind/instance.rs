@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use crate::accel::{Accel, BuildError};
+use crate::build::MAX_COORDINATE;
 use crate::math::{Affine, Bounds3, Motion, Vec3};
 use crate::ray::{Accept, Hit, Ray};
 use crate::simd::Isa;
@@ -123,7 +124,7 @@ impl PlacedInstance {
     pub(crate) fn margin(&self, reach: f32) -> f32 {
         let origin = self.to_world(0.0).point(Vec3::ZERO).abs().max_element();
         let size = f64::from(reach) + f64::from(origin) + f64::from(self.bounds.reach());
-        (2.0_f64.powi(-20) * self.condition * size) as f32
+        ((2.0_f64.powi(-20) * self.condition * size) as f32).min(MAX_COORDINATE)
     }
 
     /// The map at a time in [0, 1].
