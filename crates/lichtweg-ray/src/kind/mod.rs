@@ -96,7 +96,7 @@ impl Kind {
             Self::Triangles => Vec::new(),
             Self::Quadric(quadric) => vec![quadric.bounds()],
             Self::MovingTriangles(mesh) => mesh.boxes(),
-            Self::Instance(instance) => vec![instance.bounds()],
+            Self::Instance(instance) => vec![instance.bounds],
             Self::User(user) => (0..user.count() as u32).map(|primitive| user.bounds(primitive)).collect(),
         }
     }
