@@ -20,6 +20,7 @@
 use rayon::prelude::*;
 
 use crate::Matrix;
+use crate::vector::sum as sum_of;
 
 /// What is known about the spectral radius of a non-negative matrix A = diag(scale) |K|.
 #[derive(Clone, Debug)]
@@ -134,7 +135,7 @@ fn iterate(matrix: &Matrix, scale: Option<&[f64]>, first: Vec<f64>, products: us
             let bound = lower_bound(matrix, scale, &power, &next, floor);
             radius.low = radius.low.max(bound);
         }
-        let growth: f64 = next.par_iter().sum::<f64>() / power.par_iter().sum::<f64>();
+        let growth = sum_of(&next) / sum_of(&power);
         radius.estimate = if growth.is_finite() { growth } else { 0.0 };
         // (A v)_i / v_i = 1 + (A^k 1 - 1)_i / v_i for the sum up to k - 1; now for the sum up to k.
         let high =

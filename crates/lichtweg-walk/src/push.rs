@@ -13,7 +13,6 @@
 use std::collections::VecDeque;
 
 use crate::Matrix;
-use crate::convergence::Certificate;
 
 /// A push under way.
 #[derive(Clone, Debug)]
@@ -93,12 +92,6 @@ impl<'a> Push<'a> {
     #[must_use]
     pub fn value(&self, r: &[f64]) -> f64 {
         self.touched().map(|i| self.estimate[i] * r[i]).sum()
-    }
-
-    /// sum |q_i| v_i.
-    #[must_use]
-    pub fn remainder(&self, certificate: &Certificate) -> f64 {
-        self.touched().map(|i| self.residual[i].abs() * certificate.weight(i)).sum()
     }
 
     /// One round at half the threshold of the last, or until `operations` are spent; false where nothing is left to

@@ -126,7 +126,7 @@ pub fn estimate(
             return Ok(Estimate { tally, half_width, reached: reached && believed, believed, looks });
         }
         let needed = walks_needed(&tally, offset, goal, interval, SPENT * left);
-        wanted = needed.clamp(wanted + wanted / 2, 16 * wanted).min(most);
+        wanted = needed.clamp(wanted.saturating_add(wanted / 2), wanted.saturating_mul(16)).min(most);
     }
 }
 
@@ -135,7 +135,8 @@ pub(crate) fn walks_needed(tally: &Tally, offset: f64, goal: &Goal, interval: In
     let target = goal.half_width(offset + tally.moments.mean());
     let variance = tally.moments.variance();
     if tally.nonzero == 0 || !variance.is_finite() {
-        return u64::MAX;
+        // Nothing is known yet but that it takes more.
+        return tally.moments.count().saturating_mul(16);
     }
     let needed = match interval {
         Interval::Student => {

@@ -173,6 +173,14 @@ impl Matrix {
         Self { columns: self.rows(), offsets, indices, values }
     }
 
+    /// The matrix of magnitudes.
+    #[must_use]
+    pub fn magnitudes(&self) -> Self {
+        let mut magnitudes = self.clone();
+        magnitudes.values.iter_mut().for_each(|value| *value = value.abs());
+        magnitudes
+    }
+
     /// D^-1 M D with D = diag(d): a similar matrix, on which walks prefer states of large d.
     ///
     /// `d` has to be positive; entries that underflow to zero are kept as the smallest positive number, so that no

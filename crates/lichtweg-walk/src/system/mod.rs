@@ -32,11 +32,39 @@ pub use splitting::Splitting;
 pub struct System {
     matrix: Matrix,
     source: Vec<f64>,
-    /// Row sums of |M|, their range.
-    row_mass: (f64, f64),
+    summary: Summary,
     transposed: OnceLock<Matrix>,
     /// What A was before the splitting, for solvers that prefer it.
     linear: Option<Linear>,
+}
+
+/// What one pass over M and b tells.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Summary {
+    /// Smallest and largest row sum of |M|.
+    pub row_mass: (f64, f64),
+    /// Neither M nor b has a negative element.
+    pub nonnegative: bool,
+    /// Smallest b_i; infinite where there is none.
+    pub smallest_source: f64,
+    /// Largest |b_i|.
+    pub largest_source: f64,
+    /// Number of b_i that are not zero.
+    pub sources: usize,
+}
+
+impl Summary {
+    fn new(matrix: &Matrix, source: &[f64]) -> Self {
+        let masses = matrix.map_rows(|i| matrix.row(i).mass());
+        let range = masses.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &m| (low.min(m), high.max(m)));
+        Self {
+            row_mass: if masses.is_empty() { (0.0, 0.0) } else { range },
+            nonnegative: source.iter().all(|&value| value >= 0.0) && matrix.is_nonnegative(),
+            smallest_source: source.iter().copied().fold(f64::INFINITY, f64::min),
+            largest_source: crate::vector::largest(source),
+            sources: source.iter().filter(|&&value| value != 0.0).count(),
+        }
+    }
 }
 
 /// A x = b, as it was given.
@@ -106,10 +134,8 @@ impl System {
     pub fn fixed_point(matrix: Matrix, source: Vec<f64>) -> Result<Self, SystemError> {
         check_square(&matrix)?;
         check_vector("source vector", &source, &matrix)?;
-        let masses = matrix.map_rows(|i| matrix.row(i).mass());
-        let range = masses.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &m| (low.min(m), high.max(m)));
-        let row_mass = if masses.is_empty() { (0.0, 0.0) } else { range };
-        Ok(Self { matrix, source, row_mass, transposed: OnceLock::new(), linear: None })
+        let summary = Summary::new(&matrix, &source);
+        Ok(Self { matrix, source, summary, transposed: OnceLock::new(), linear: None })
     }
 
     /// A x = b, split into x = M x + b'.
@@ -151,7 +177,29 @@ impl System {
     /// Smallest and largest row sum of |M|; the largest is its maximum norm.
     #[must_use]
     pub fn row_mass(&self) -> (f64, f64) {
-        self.row_mass
+        self.summary.row_mass
+    }
+
+    /// Whether neither M nor b has a negative element, so that x has none.
+    #[must_use]
+    pub fn is_nonnegative(&self) -> bool {
+        self.summary.nonnegative
+    }
+
+    /// What one pass over M and b told.
+    pub(crate) fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// A lower bound of all x_i where neither M nor b has a negative element: x >= min b + min mass * min x.
+    pub(crate) fn smallest_solution(&self) -> f64 {
+        let Summary { row_mass, nonnegative, smallest_source, .. } = self.summary;
+        if nonnegative && row_mass.0 < 1.0 { smallest_source / (1.0 - row_mass.0) } else { 0.0 }
+    }
+
+    /// Whether M^T is at hand.
+    pub(crate) fn has_transposed(&self) -> bool {
+        self.transposed.get().is_some()
     }
 
     /// A and b of A x = b, where the system was given so.

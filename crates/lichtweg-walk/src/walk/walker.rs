@@ -86,6 +86,13 @@ impl Start {
         Ok(Some(Self { states, values, tables }))
     }
 
+    /// Each element times that of `factors` at its state; `None` where that is not finite or zero everywhere.
+    pub(crate) fn scaled(&self, factors: &[f64]) -> Option<Self> {
+        let scaled =
+            self.states.iter().zip(&self.values).map(|(&i, value)| (i as usize, value * factors[i as usize]));
+        Self::by(scaled).ok().flatten()
+    }
+
     /// Sum of the magnitudes.
     #[must_use]
     pub fn mass(&self) -> f64 {
@@ -99,7 +106,7 @@ impl Start {
     }
 
     #[inline]
-    fn draw(&self, sampler: &mut Sampler) -> (usize, f64) {
+    pub(crate) fn draw(&self, sampler: &mut Sampler) -> (usize, f64) {
         let Some((alias, discrete)) = &self.tables else { return (self.states[0] as usize, self.values[0]) };
         let u = sampler.next_1d_f64();
         let pick =

@@ -1,0 +1,237 @@
+//! The planner: what each method would cost, by pilots of a few walks and a fixed model of the machine.
+//!
+//! It pushes from the unknown in stages, each as large as all before. After each stage short pilots say what it would take to
+//! walk from there to the goal: onward from what is left, or from the source vector into it. It goes on pushing while that
+//! pays: while a stage saves more walking than it cost. Before the first stage this is plain adjoint or forward walks; if
+//! the proven bound gets small enough first, it is push alone. Meanwhile the deterministic solver competes with an estimate
+//! of its iterations. The model is in nanoseconds but does not look at a clock, so that the choice depends on the system, the
+//! goal and the seed alone.
+
+use super::{Answer, Cost, Method, Options, PILOT_SEED, Refusal, Solver, interval};
+use crate::push::Push;
+use crate::stopping::{Goal, walks_needed};
+use crate::walk::Tally;
+
+/// Nanoseconds of a transition where rows come from the cache, and where they do not.
+const NEAR_STEP: f64 = 20.0;
+const FAR_STEP: f64 = 70.0;
+/// Nanoseconds to create a walk.
+const CREATION: f64 = 40.0;
+/// Nanoseconds for each entry that is pushed.
+const PUSHED: f64 = 3.0;
+/// Nanoseconds for each entry of a matrix in a product, and for each unknown of a Krylov step.
+const PRODUCT_ENTRY: f64 = 1.0;
+const KRYLOV_UNKNOWN: f64 = 10.0;
+/// Nanoseconds for each entry to make the transpose.
+const TRANSPOSED: f64 = 12.0;
+/// Operations of the first stage of pushing.
+const FIRST_STAGE: u64 = 1 << 12;
+/// Steps that a pilot may take, about.
+const PILOT_STEPS: f64 = 100_000.0;
+/// Walks of a pilot.
+const PILOT_WALKS: (u64, u64) = (32, 512);
+
+impl Solver<'_> {
+    /// Finds a number by what promises to be cheapest.
+    pub(super) fn plan(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
+        self.check_convergence()?;
+        let deterministic = self.deterministic_cost(&options.goal);
+        let mut push = Push::new(self.system.matrix(), target.iter().copied());
+        let mut costs = vec![Cost { method: Method::Deterministic, seconds: deterministic * 1e-9 }];
+        let mut spent = 0.0;
+        let mut before: Option<Stage> = None;
+        let mut stage_operations = FIRST_STAGE;
+        loop {
+            let stage = self.stage(&push, target, options)?;
+            note(&mut costs, &stage, push.pushes() > 0);
+            let last_cost = PUSHED * push.operations() as f64 - spent;
+            spent += last_cost;
+            let pays = before.is_none_or(|before| before.cheapest() - stage.cheapest() > last_cost);
+            let affordable = spent < stage.cheapest().min(deterministic);
+            if !(pays && affordable) {
+                if stage.cheapest() > deterministic {
+                    let mut answer = self.deterministic(target, &options.goal)?;
+                    answer.why = format!(
+                        "walks would take about {}, a deterministic solver about {} ({})",
+                        time(stage.cheapest()),
+                        time(deterministic),
+                        answer.why.trim_start_matches("as asked for: ")
+                    );
+                    return Ok(Answer { costs, ..answer });
+                }
+                return self.walk_on(&push, target, &stage, costs, options);
+            }
+            let before_stage = push.operations();
+            if let Some(answer) = self.push_to(&mut push, options, before_stage + stage_operations) {
+                let why = format!(
+                    "the proven bound of push got small enough after {} pushes; a deterministic solver would take about {}",
+                    push.pushes(),
+                    time(deterministic)
+                );
+                return Ok(Answer { why, costs, ..answer });
+            }
+            if push.operations() == before_stage {
+                return self.walk_on(&push, target, &stage, costs, options);
+            }
+            stage_operations = push.operations().max(FIRST_STAGE);
+            before = Some(stage);
+        }
+    }
+
+    /// Push, then walks, as asked for.
+    pub(super) fn push_and_walk(
+        &self,
+        method: Method,
+        target: &[(usize, f64)],
+        options: &Options,
+    ) -> Result<Answer, Refusal> {
+        self.check_convergence()?;
+        let forward = method == Method::Bidirectional;
+        let mut push = Push::new(self.system.matrix(), target.iter().copied());
+        let mut stage_operations = FIRST_STAGE;
+        // Until it has cost as much as the walks will.
+        loop {
+            let cost = self.walk_cost(forward, &push, target, options)?;
+            if cost <= PUSHED * push.operations() as f64 || !push.round(stage_operations) {
+                break;
+            }
+            stage_operations = push.operations().max(FIRST_STAGE);
+        }
+        let side = self.side(forward, target, Some(&push), options)?;
+        self.walk_side(method, side.as_ref(), push.value(self.system.source()), push.operations(), options)
+    }
+
+    /// Walks from where pushing ended.
+    fn walk_on(
+        &self,
+        push: &Push<'_>,
+        target: &[(usize, f64)],
+        stage: &Stage,
+        costs: Vec<Cost>,
+        options: &Options,
+    ) -> Result<Answer, Refusal> {
+        let forward = stage.forward < stage.adjoint;
+        let pushed = push.pushes() > 0;
+        let method = named(forward, pushed);
+        let side = self.side(forward, target, pushed.then_some(push), options)?;
+        let offset = push.value(self.system.source());
+        let answer = self.walk_side(method, side.as_ref(), offset, push.operations(), options)?;
+        let rival =
+            costs.iter().filter(|cost| cost.method != method).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let against = rival.map_or(String::new(), |rival| {
+            format!("; next would be {} with {}", rival.method.name(), time(rival.seconds * 1e9))
+        });
+        let why = format!("expected to take about {}{against}", time(stage.cheapest()));
+        Ok(Answer { why, costs, ..answer })
+    }
+
+    /// What walks would cost from here.
+    fn stage(&self, push: &Push<'_>, target: &[(usize, f64)], options: &Options) -> Result<Stage, Refusal> {
+        let system = self.system;
+        // Asked for as late as possible: the columns cost a pass over the matrix.
+        let rows = self.proof.rows_contract(system);
+        let columns = || self.proof.columns_contract(system);
+        // Where rows sum to more than one, the adjoint direction needs a certificate first, whose products cost a lot.
+        let adjoint =
+            if rows || !columns() { self.walk_cost(false, push, target, options)? } else { f64::INFINITY };
+        let concentrated = system.summary().sources <= system.unknowns() / 8
+            || system.unknowns() <= 4096
+            || system.has_transposed();
+        let making =
+            if system.has_transposed() { 0.0 } else { TRANSPOSED * system.matrix().entries() as f64 };
+        let forward = if concentrated && making < adjoint && (!rows || columns()) {
+            making + self.walk_cost(true, push, target, options)?
+        } else {
+            f64::INFINITY
+        };
+        Ok(Stage { adjoint, forward })
+    }
+
+    /// Nanoseconds that walks to the goal would take, by a pilot.
+    fn walk_cost(
+        &self,
+        forward: bool,
+        push: &Push<'_>,
+        target: &[(usize, f64)],
+        options: &Options,
+    ) -> Result<f64, Refusal> {
+        let push = (push.pushes() > 0).then_some(push);
+        let Some(side) = self.side(forward, target, push, options)? else { return Ok(0.0) };
+        let kernel = side.kernel(options);
+        let walker = side.walker(&kernel, options)?;
+        let mut pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
+        let more = (PILOT_STEPS / (1.0 + pilot.steps_per_walk())) as u64;
+        if more > PILOT_WALKS.0 {
+            pilot.merge(&walker.tally(options.seed ^ PILOT_SEED, PILOT_WALKS.0, more.min(PILOT_WALKS.1))?);
+        }
+        let offset = push.map_or(0.0, |push| push.value(self.system.source()));
+        let alpha = 1.0 - options.goal.confidence;
+        let walks = walks_needed(&pilot, offset, &options.goal, interval(&side, options)?, alpha).max(1024);
+        if pilot.nonzero == 0 {
+            return Ok(f64::INFINITY);
+        }
+        Ok(walks as f64 * (CREATION + self.step_cost(forward, &pilot) * pilot.steps_per_walk()))
+    }
+
+    /// Nanoseconds of a transition: walks that start all over a large system miss the cache at each.
+    fn step_cost(&self, forward: bool, _pilot: &Tally) -> f64 {
+        let far = forward && self.system.matrix().entries() > 1 << 18;
+        if far { FAR_STEP } else { NEAR_STEP }
+    }
+
+    /// Nanoseconds of a Krylov solver: its iterations by the condition that rho allows.
+    fn deterministic_cost(&self, goal: &Goal) -> f64 {
+        let radius = self.radius();
+        let rho = radius.estimate.clamp(0.0, 1.0 - 1e-7);
+        let condition = (1.0 + rho) / (1.0 - rho);
+        let digits = (2.0 / goal.relative.max(1e-15)).ln().max(1.0);
+        let symmetric = self.system.as_linear().is_some();
+        let products = 0.5 * condition.sqrt() * digits * if symmetric { 1.0 } else { 2.0 };
+        let matrix = self.system.matrix();
+        (2.0 + products) * (PRODUCT_ENTRY * matrix.entries() as f64 + KRYLOV_UNKNOWN * matrix.rows() as f64)
+    }
+}
+
+/// Expected nanoseconds of walks from a stage of pushing.
+#[derive(Clone, Copy, Debug)]
+struct Stage {
+    adjoint: f64,
+    forward: f64,
+}
+
+impl Stage {
+    fn cheapest(&self) -> f64 {
+        self.adjoint.min(self.forward)
+    }
+}
+
+fn named(forward: bool, pushed: bool) -> Method {
+    match (forward, pushed) {
+        (false, false) => Method::Adjoint,
+        (true, false) => Method::Forward,
+        (false, true) => Method::PushWalk,
+        (true, true) => Method::Bidirectional,
+    }
+}
+
+/// Keeps the expectation of each method, the latest of each.
+fn note(costs: &mut Vec<Cost>, stage: &Stage, pushed: bool) {
+    for (forward, nanoseconds) in [(false, stage.adjoint), (true, stage.forward)] {
+        let method = named(forward, pushed);
+        costs.retain(|cost| cost.method != method);
+        if nanoseconds.is_finite() {
+            costs.push(Cost { method, seconds: nanoseconds * 1e-9 });
+        }
+    }
+}
+
+/// A time in words.
+fn time(nanoseconds: f64) -> String {
+    match nanoseconds * 1e-9 {
+        s if !s.is_finite() => "forever".to_owned(),
+        s if s < 1e-3 => format!("{:.2} ms", s * 1e3),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
+        s if s < 1e4 => format!("{s:.1} s"),
+        s => format!("{:.0} hours", s / 3600.0),
+    }
+}
