@@ -18,20 +18,24 @@ use crate::Matrix;
 #[derive(Clone, Debug)]
 pub struct Push<'a> {
     kernel: &'a Matrix,
-    estimate: Vec<f64>,
-    residual: Vec<f64>,
+    /// Residual, estimate and mark of each state, side by side: whoever needs one needs all. As plain numbers they come
+    /// zeroed by the system, and states that are never met cost nothing.
+    states: Vec<[f64; 4]>,
     /// States with an estimate or a residual, in the order in which they were met.
     touched: Vec<u32>,
-    /// State of each: whether it was met, whether it waits.
-    marks: Vec<u8>,
     waiting: VecDeque<u32>,
     threshold: f64,
     operations: u64,
     pushes: u64,
 }
 
-const MET: u8 = 1;
-const WAITS: u8 = 2;
+const RESIDUAL: usize = 0;
+const ESTIMATE: usize = 1;
+const MARK: usize = 2;
+
+/// Marks; a state that was never met has 0.
+const MET: f64 = 1.0;
+const WAITS: f64 = 2.0;
 
 impl<'a> Push<'a> {
     /// From s, given as (state, value), along the rows of `kernel`.
@@ -43,10 +47,8 @@ impl<'a> Push<'a> {
         let n = kernel.rows();
         let mut push = Self {
             kernel,
-            estimate: vec![0.0; n],
-            residual: vec![0.0; n],
+            states: vec![[0.0; 4]; n],
             touched: Vec::new(),
-            marks: vec![0; n],
             waiting: VecDeque::new(),
             threshold: 0.0,
             operations: 0,
@@ -54,21 +56,23 @@ impl<'a> Push<'a> {
         };
         for (i, value) in start {
             push.add(i, value);
-            push.threshold = push.threshold.max(push.residual[i].abs());
+            push.threshold = push.threshold.max(push.residual(i).abs());
         }
         push
     }
 
-    /// p.
+    /// p_i.
+    #[inline]
     #[must_use]
-    pub fn estimate(&self) -> &[f64] {
-        &self.estimate
+    pub fn estimate(&self, i: usize) -> f64 {
+        self.states[i][ESTIMATE]
     }
 
-    /// q.
+    /// q_i.
+    #[inline]
     #[must_use]
-    pub fn residual(&self) -> &[f64] {
-        &self.residual
+    pub fn residual(&self, i: usize) -> f64 {
+        self.states[i][RESIDUAL]
     }
 
     /// States where p or q is not zero (or was).
@@ -91,7 +95,7 @@ impl<'a> Push<'a> {
     /// p^T r.
     #[must_use]
     pub fn value(&self, r: &[f64]) -> f64 {
-        self.touched().map(|i| self.estimate[i] * r[i]).sum()
+        self.touched().map(|i| self.estimate(i) * r[i]).sum()
     }
 
     /// One round at half the threshold of the last, or until `operations` are spent; false where nothing is left to
@@ -105,9 +109,10 @@ impl<'a> Push<'a> {
         let limit = self.operations.saturating_add(operations);
         while let Some(i) = self.waiting.pop_front() {
             let i = i as usize;
-            self.marks[i] &= !WAITS;
-            let amount = std::mem::take(&mut self.residual[i]);
-            self.estimate[i] += amount;
+            let state = &mut self.states[i];
+            let amount = std::mem::take(&mut state[RESIDUAL]);
+            state[ESTIMATE] += amount;
+            state[MARK] = MET;
             for (j, value) in self.kernel.row(i).iter() {
                 self.add(j, amount * value);
                 self.offer(j);
@@ -115,19 +120,20 @@ impl<'a> Push<'a> {
             self.operations += 4 + self.kernel.row_len(i) as u64;
             self.pushes += 1;
             if self.operations > limit {
-                self.waiting.iter().for_each(|&j| self.marks[j as usize] &= !WAITS);
+                self.waiting.iter().for_each(|&j| self.states[j as usize][MARK] = MET);
                 self.waiting.clear();
                 return true;
             }
         }
-        self.threshold > f64::MIN_POSITIVE && self.touched().any(|i| self.residual[i] != 0.0)
+        self.threshold > f64::MIN_POSITIVE && self.touched().any(|i| self.residual(i) != 0.0)
     }
 
     #[inline]
     fn add(&mut self, i: usize, amount: f64) {
-        self.residual[i] += amount;
-        if self.marks[i] & MET == 0 {
-            self.marks[i] |= MET;
+        let state = &mut self.states[i];
+        state[RESIDUAL] += amount;
+        if state[MARK] == 0.0 {
+            state[MARK] = MET;
             self.touched.push(i as u32);
         }
     }
@@ -135,8 +141,9 @@ impl<'a> Push<'a> {
     /// Lets a state wait to be pushed if its residual is worth it.
     #[inline]
     fn offer(&mut self, i: usize) {
-        if self.residual[i].abs() > self.threshold && self.marks[i] & WAITS == 0 {
-            self.marks[i] |= WAITS;
+        let state = &mut self.states[i];
+        if state[RESIDUAL].abs() > self.threshold && state[MARK] != WAITS {
+            state[MARK] = WAITS;
             self.waiting.push_back(i as u32);
         }
     }

@@ -48,6 +48,7 @@ fn help_comes_with_examples() {
         &["--help"][..],
         &["render", "--help"],
         &["info", "--help"],
+        &["solve", "--help"],
         &["completions", "--help"],
         &["man", "--help"],
     ] {

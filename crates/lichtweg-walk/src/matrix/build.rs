@@ -69,7 +69,7 @@ impl Matrix {
             values[at] = value;
             next[row as usize] += 1;
         }
-        Self { columns, offsets, indices, values }.canonical()
+        Self { columns, longest: 0, offsets, indices, values }.canonical()
     }
 
     /// From compressed rows, as other programs store them. Columns may come in any order and more than once.
@@ -93,7 +93,7 @@ impl Matrix {
         if offsets.windows(2).any(|pair| pair[0] > pair[1]) {
             return Err(MatrixError::Inconsistent("offsets have to ascend"));
         }
-        let matrix = Self { columns, offsets, indices, values };
+        let matrix = Self { columns, longest: 0, offsets, indices, values };
         let outside = matrix.triplets().find(|&(_, column, _)| column >= columns);
         match outside {
             Some((row, column, _)) => Err(MatrixError::OutOfRange { row, column, rows, columns }),
@@ -130,10 +130,16 @@ impl Matrix {
         if let Some(end) = self.offsets.last_mut() {
             *end = kept;
         }
+        self.longest = longest(&self.offsets);
         self.indices.truncate(kept);
         self.values.truncate(kept);
         Ok(self)
     }
+}
+
+/// Entries of the longest row.
+pub(super) fn longest(offsets: &[usize]) -> usize {
+    offsets.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0)
 }
 
 fn check_size(rows: usize, columns: usize) -> Result<(), MatrixError> {

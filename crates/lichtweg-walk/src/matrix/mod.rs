@@ -20,6 +20,8 @@ pub use build::MatrixError;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Matrix {
     columns: usize,
+    /// Entries of the longest row.
+    longest: usize,
     /// Row i is `offsets[i]..offsets[i + 1]` of the two below. Never empty but in `Matrix::default()`.
     offsets: Vec<usize>,
     indices: Vec<u32>,
@@ -98,6 +100,12 @@ impl Matrix {
         self.offsets[i + 1] - self.offsets[i]
     }
 
+    /// Number of entries in the longest row.
+    #[must_use]
+    pub fn longest_row(&self) -> usize {
+        self.longest
+    }
+
     /// The entry at row `i` and column `j`; 0 where none is stored.
     #[must_use]
     pub fn get(&self, i: usize, j: usize) -> f64 {
@@ -170,7 +178,8 @@ impl Matrix {
                 next[j] += 1;
             }
         }
-        Self { columns: self.rows(), offsets, indices, values }
+        let longest = build::longest(&offsets);
+        Self { columns: self.rows(), longest, offsets, indices, values }
     }
 
     /// The matrix of magnitudes.

@@ -262,8 +262,8 @@ impl<'a> Solver<'a> {
 
     /// Value and proven bound of what was pushed. With M, b >= 0 all x_i lie in a range, whose middle is the better guess.
     fn pushed(&self, push: &Push<'_>) -> (f64, f64) {
-        let (system, residual) = (self.system, push.residual());
-        let left = || push.touched().map(|i| (i, residual[i]));
+        let system = self.system;
+        let left = || push.touched().map(|i| (i, push.residual(i)));
         let value = push.value(system.source());
         if left().all(|(_, q)| q == 0.0) {
             return (value, 0.0);

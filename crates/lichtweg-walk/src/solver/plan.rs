@@ -89,12 +89,17 @@ impl Solver<'_> {
         let forward = method == Method::Bidirectional;
         let mut push = Push::new(self.system.matrix(), target.iter().copied());
         let mut stage_operations = FIRST_STAGE;
-        // Until it has cost as much as the walks will.
+        let (mut cost, mut spent) = (f64::INFINITY, 0.0);
+        // As long as a stage saves more walking than it costs.
         loop {
-            let cost = self.walk_cost(forward, &push, target, options)?;
-            if cost <= PUSHED * push.operations() as f64 || !push.round(stage_operations) {
+            let next = self.walk_cost(forward, &push, target, options)?;
+            let stage = PUSHED * push.operations() as f64 - spent;
+            if (push.pushes() > 0 && next.is_finite() && cost - next <= stage)
+                || !push.round(stage_operations)
+            {
                 break;
             }
+            (cost, spent) = (next, spent + stage);
             stage_operations = push.operations().max(FIRST_STAGE);
         }
         let side = self.side(forward, target, Some(&push), options)?;

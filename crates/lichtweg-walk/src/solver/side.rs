@@ -42,23 +42,20 @@ impl Solver<'_> {
         &'b self,
         forward: bool,
         target: &[(usize, f64)],
-        push: Option<&'b Push<'_>>,
+        push: Option<&Push<'_>>,
         options: &Options,
     ) -> Result<Option<Side<'b>>, Refusal> {
         let system = self.system;
         let (plain, score) = if forward {
-            let score = match push {
-                Some(push) => Cow::Borrowed(push.residual()),
-                None => {
-                    let mut dense = vec![0.0; system.unknowns()];
-                    target.iter().for_each(|&(i, value)| dense[i] += value);
-                    Cow::Owned(dense)
-                }
-            };
-            (start(system.source().iter().copied().enumerate())?, score)
+            let mut score = vec![0.0; system.unknowns()];
+            match push {
+                Some(push) => push.touched().for_each(|i| score[i] = push.residual(i)),
+                None => target.iter().for_each(|&(i, value)| score[i] += value),
+            }
+            (start(system.source().iter().copied().enumerate())?, Cow::Owned(score))
         } else {
             let plain = match push {
-                Some(push) => start(push.touched().map(|i| (i, push.residual()[i])))?,
+                Some(push) => start(push.touched().map(|i| (i, push.residual(i))))?,
                 None => start(target.iter().copied())?,
             };
             (plain, Cow::Borrowed(system.source()))

@@ -139,10 +139,10 @@ impl<'a> Kernel<'a> {
 
 impl LongRows {
     fn new(matrix: &Matrix) -> Option<Self> {
-        let long: Vec<usize> = (0..matrix.rows()).filter(|&i| matrix.row_len(i) > SHORT).collect();
-        if long.is_empty() {
+        if matrix.longest_row() <= SHORT {
             return None;
         }
+        let long = (0..matrix.rows()).filter(|&i| matrix.row_len(i) > SHORT);
         let mut rows = Self { slot: vec![0; matrix.rows()], table: Vec::new(), cumulative: Vec::new() };
         for i in long {
             let values = matrix.row(i).values;
