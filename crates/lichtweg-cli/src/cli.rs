@@ -12,9 +12,10 @@ use crate::completions::CompletionsArgs;
 use crate::failure::Failure;
 use crate::info::InfoArgs;
 use crate::man::ManArgs;
+use crate::radiosity::RadiosityArgs;
 use crate::render::RenderArgs;
 use crate::solve::SolveArgs;
-use crate::{completions, info, man, render, scenes, solve};
+use crate::{completions, info, man, radiosity, render, scenes, solve};
 
 const ABOUT: &str = "Lichtweg, a Monte Carlo light transport system";
 
@@ -52,6 +53,7 @@ enum Command {
     Render(Box<RenderArgs>),
     Info(InfoArgs),
     Solve(Box<SolveArgs>),
+    Radiosity(Box<RadiosityArgs>),
     /// List the scenes that are built in
     Scenes,
     Completions(CompletionsArgs),
@@ -70,6 +72,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Info(args)) => info::run(&args),
         Some(Command::Solve(args)) => solve::run(&args),
+        Some(Command::Radiosity(args)) => radiosity::run(&args),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Completions(args)) => completions::run(&args),
         Some(Command::Man(args)) => man::run(&args),

@@ -16,6 +16,7 @@ mod options;
 mod output;
 mod overrides;
 mod progress;
+mod radiosity;
 mod record;
 mod render;
 mod scenes;

@@ -5,6 +5,7 @@ mod input;
 mod report;
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use lichtweg_walk::solver::Choice;
@@ -15,6 +16,7 @@ use lichtweg_walk::{Functional, Method, Options, Refusal, Solver};
 use crate::console::Console;
 use crate::failure::Failure;
 use input::Problem;
+pub use input::{write_text, write_vector};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -154,7 +156,9 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
     let console = Console::new(args.quiet || args.json);
+    let began = Instant::now();
     let input = console.stage(&format!("reading {}", args.system.display()), || input::read(args))?;
+    let load_seconds = began.elapsed().as_secs_f64();
     if let Some(path) = &args.animate {
         return animate::write(&input, path, args.seed);
     }
@@ -187,7 +191,7 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
         };
         input::write_vector(path, &x[..input.shown])?;
     }
-    report::print(args, &input, &solver, &answers)?;
+    report::print(args, &input, &solver, &answers, load_seconds)?;
     let reached = answers.iter().all(|answer| answer.reached);
     if !reached {
         crate::console::tell("warning: not known as well as was asked for; --max-steps allows more");
@@ -240,7 +244,8 @@ fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| "not a number".to_owned())
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// Parses a number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("has to be above 0".to_owned()) })
 }
 
@@ -261,7 +266,8 @@ fn confidence(text: &str) -> Result<f64, String> {
     }
 }
 
-fn method(text: &str) -> Result<Method, String> {
+/// Parses the name of a method.
+pub fn method(text: &str) -> Result<Method, String> {
     let all = [&[Method::Auto][..], &Method::ALL].concat();
     let names: Vec<&str> = all.iter().map(|method| method.name()).collect();
     all.iter()

@@ -91,6 +91,8 @@ const FEWEST: u64 = 1024;
 const DIFFERENT: u64 = 64;
 /// Walks after which scores that are all the same are believed to be so.
 const SAME: u64 = 4096;
+/// Walks after which some should have scored.
+const HOPELESS: u64 = 1 << 24;
 /// The share of alpha that each look spends of what is left.
 const SPENT: f64 = 0.8;
 
@@ -116,7 +118,8 @@ pub fn estimate(
         let count = wanted - tally.moments.count();
         tally.merge(&walk(tally.moments.count(), count)?);
         looks += 1;
-        let last = wanted >= most;
+        // Where none of very many walks scored, more of them are no use.
+        let last = wanted >= most || (tally.nonzero == 0 && wanted >= HOPELESS);
         let alpha = if last { left } else { SPENT * left };
         left -= alpha;
         let half_width = interval.half_width(&tally.moments, alpha);

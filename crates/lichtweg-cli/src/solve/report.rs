@@ -17,6 +17,7 @@ pub fn print(
     input: &SystemInput,
     solver: &Solver<'_>,
     answers: &[Answer],
+    load_seconds: f64,
 ) -> Result<(), Failure> {
     let names: Vec<String> = input.named_functionals(args)?.into_iter().map(|(name, _)| name).collect();
     let mut out = io::stdout().lock();
@@ -27,6 +28,7 @@ pub fn print(
             "unknowns": input.system.unknowns(),
             "entries": input.system.matrix().entries(),
             "confidence": args.confidence,
+            "load_seconds": load_seconds,
             "answers": answers,
         });
         return Ok(writeln!(out, "{system:#}")?);

@@ -49,6 +49,7 @@ fn help_comes_with_examples() {
         &["render", "--help"],
         &["info", "--help"],
         &["solve", "--help"],
+        &["radiosity", "--help"],
         &["completions", "--help"],
         &["man", "--help"],
     ] {

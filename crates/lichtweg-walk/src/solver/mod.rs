@@ -185,12 +185,33 @@ impl<'a> Solver<'a> {
         let kernel = side.kernel(options);
         let walker = side.walker(&kernel, options)?;
         let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
+        if pilot.nonzero == 0 && !self.sees_source(side) {
+            return Ok(Answer::exact(offset, "the source vector cannot be reached from here"));
+        }
         let interval = interval(side, options)?;
         let walker = if options.lengths { walker.with_lengths() } else { walker };
         let walk = |first, count| walker.tally(options.seed, first, count);
         let found = estimate(&pilot, offset, &options.goal, interval, options.most_steps, walk)?;
         let pilot_steps = pilot.steps;
         self.report(method, offset, operations, pilot_steps, found)
+    }
+
+    /// Whether walks can come to a state that scores at all.
+    fn sees_source(&self, side: &Side<'_>) -> bool {
+        let mut seen = vec![false; self.system.unknowns()];
+        let mut waiting: Vec<usize> = side.starts().collect();
+        waiting.iter().for_each(|&i| seen[i] = true);
+        while let Some(i) = waiting.pop() {
+            if side.scores(i) {
+                return true;
+            }
+            for j in side.neighbours(i) {
+                if !std::mem::replace(&mut seen[j], true) {
+                    waiting.push(j);
+                }
+            }
+        }
+        false
     }
 
     fn report(

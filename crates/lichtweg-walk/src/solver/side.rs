@@ -61,6 +61,9 @@ impl Solver<'_> {
             (plain, Cow::Borrowed(system.source()))
         };
         let Some(plain) = plain else { return Ok(None) };
+        if push.is_some_and(|push| push.touched().all(|i| push.residual(i) == 0.0)) {
+            return Ok(None);
+        }
         let matrix = if forward { system.transposed() } else { system.matrix() };
         let side = |contraction| Side {
             kernel: Cow::Borrowed(matrix),
@@ -162,6 +165,21 @@ impl<'a> Side<'a> {
         } else {
             Err(Refusal::InfiniteVariance { radius: refusal::describe(&found) })
         }
+    }
+
+    /// States where walks are created.
+    pub(super) fn starts(&self) -> impl Iterator<Item = usize> + '_ {
+        self.start.states()
+    }
+
+    /// Whether a visit of state `i` scores.
+    pub(super) fn scores(&self, i: usize) -> bool {
+        self.score[i] != 0.0
+    }
+
+    /// Where a walk can go from state `i`.
+    pub(super) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<'_> {
+        self.kernel.row(i).iter().map(|(j, _)| j)
     }
 
     /// The kernel to walk on.

@@ -86,6 +86,11 @@ impl Start {
         Ok(Some(Self { states, values, tables }))
     }
 
+    /// States where walks are created.
+    pub(crate) fn states(&self) -> impl Iterator<Item = usize> + '_ {
+        self.states.iter().map(|&i| i as usize)
+    }
+
     /// Each element times that of `factors` at its state; `None` where that is not finite or zero everywhere.
     pub(crate) fn scaled(&self, factors: &[f64]) -> Option<Self> {
         let scaled =
