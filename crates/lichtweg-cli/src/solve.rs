@@ -205,9 +205,10 @@ fn refused(refusal: &Refusal) -> Failure {
 
 fn options(args: &SolveArgs) -> Result<Options, Failure> {
     let standard = Options::default();
-    // Bounded scores are what rigorous intervals rest on.
+    // Bounded scores are what rigorous intervals rest on; terminal scores need an end.
+    let terminal = args.rigorous || matches!(args.score, Some(ScoreName::Terminal));
     let (score, ending) =
-        if args.rigorous { (Score::Terminal, Ending::Analog) } else { (standard.score, standard.ending) };
+        if terminal { (Score::Terminal, Ending::Analog) } else { (standard.score, standard.ending) };
     let choice = match args.choice.split_once(':') {
         None => match args.choice.as_str() {
             "auto" => Choice::Auto,

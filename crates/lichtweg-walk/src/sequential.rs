@@ -34,14 +34,14 @@ pub struct Vector {
 /// Walks of one task.
 const CHUNK: u64 = 1024;
 
-/// Solves to a relative residual, or for at most `stages` stages of `walks` walks each. A stage that makes the residual
-/// larger is undone, and followed by one of twice as many walks.
+/// Solves until `is_enough` of the vector so far and its residual b + M x - x, or for at most `stages` stages of `walks` walks
+/// each. A stage that makes the residual larger is undone, and followed by one of twice as many walks.
 ///
 /// # Errors
 /// Walks that do not end.
 pub fn solve(
     system: &System,
-    tolerance: f64,
+    mut is_enough: impl FnMut(&Vector, &[f64]) -> bool,
     stages: u32,
     walks: u64,
     seed: u64,
@@ -52,7 +52,7 @@ pub fn solve(
     let mut out = Vector { x: vec![0.0; n], residual: 1.0, stages: 0, walks: 0, steps: 0 };
     let mut residual = system.source().to_vec();
     let mut walks = walks.max(1);
-    while size > 0.0 && out.residual > tolerance && out.stages < stages {
+    while size > 0.0 && !is_enough(&out, &residual) && out.stages < stages {
         // One sweep, whose residual the walks get.
         let mut y = out.x.clone();
         update(&mut y, &residual, |y, f| y + f);

@@ -84,9 +84,9 @@ pub struct Estimate {
 }
 
 /// Walks of the pilot.
-pub(crate) const PILOT: u64 = 512;
+pub(crate) const PILOT: u64 = 256;
 /// Fewest walks of a look.
-const FEWEST: u64 = 1024;
+pub(crate) const FEWEST: u64 = 1024;
 /// Scores that have to differ from the first before Student's interval is believed.
 const DIFFERENT: u64 = 64;
 /// Walks after which scores that are all the same are believed to be so.

@@ -26,6 +26,7 @@ use std::time::Instant;
 
 use crate::convergence::Radius;
 use crate::push::Push;
+use crate::sequential::{self, Vector};
 use crate::stopping::{Estimate, Goal, Interval, PILOT, estimate};
 use crate::walk::{Ending, Score, Start, Tally, WeightWindow};
 use crate::{Matrix, System};
@@ -300,17 +301,23 @@ impl<'a> Solver<'a> {
     /// All unknowns by walks, of which the functional is read off.
     fn sequential(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
         self.check_convergence()?;
-        let n = self.system.unknowns() as u64;
-        let tolerance = 0.01 * options.goal.relative.max(1e-12);
-        let found = crate::sequential::solve(self.system, tolerance, 200, n.max(256), options.seed)?;
-        let value = target.iter().map(|&(i, g)| g * found.x[i]).sum();
-        let bound = self.proof.bound_of_error(self.system, target, &self.system.residual(&found.x));
+        let (system, walks) = (self.system, (self.system.unknowns() as u64).max(256));
+        let value = |x: &[f64]| target.iter().map(|&(i, g)| g * x[i]).sum::<f64>();
+        let mut bound = None;
+        // Where nothing is proven, the residual has to do.
+        let small = 0.01 * options.goal.relative.max(1e-12);
+        let is_enough = |so_far: &Vector, residual: &[f64]| {
+            bound = self.proof.bound_of_error(system, target, residual);
+            let goal = options.goal.half_width(value(&so_far.x));
+            bound.map_or(so_far.residual <= small, |bound| bound <= goal)
+        };
+        let found = sequential::solve(system, is_enough, STAGES, walks, options.seed)?;
+        let value = value(&found.x);
         Ok(Answer {
             half_width: bound.unwrap_or(f64::INFINITY),
             evidence: if bound.is_some() { Evidence::Proven } else { Evidence::Residual(found.residual) },
             method: Method::Sequential,
-            reached: bound
-                .map_or(found.residual <= tolerance, |bound| bound <= options.goal.half_width(value)),
+            reached: bound.map_or(found.residual <= small, |bound| bound <= options.goal.half_width(value)),
             walks: found.walks,
             steps: found.steps,
             x: Some(found.x),
@@ -318,6 +325,9 @@ impl<'a> Solver<'a> {
         })
     }
 }
+
+/// Stages of sequential Monte Carlo, at most.
+const STAGES: u32 = 300;
 
 /// Tells the pilot's walks from those that count.
 const PILOT_SEED: u64 = 0x9170_7000_0000_0000;

@@ -9,25 +9,25 @@
 
 use super::{Answer, Cost, Method, Options, PILOT_SEED, Refusal, Solver, interval};
 use crate::push::Push;
-use crate::stopping::{Goal, walks_needed};
-use crate::walk::Tally;
+use crate::stopping::{FEWEST, Goal, walks_needed};
 
 /// Nanoseconds of a transition where rows come from the cache, and where they do not.
-const NEAR_STEP: f64 = 20.0;
-const FAR_STEP: f64 = 70.0;
+const NEAR_STEP: f64 = 27.0;
+const FAR_STEP: f64 = 80.0;
 /// Nanoseconds to create a walk.
 const CREATION: f64 = 40.0;
 /// Nanoseconds for each entry that is pushed.
-const PUSHED: f64 = 3.0;
+const PUSHED: f64 = 4.0;
 /// Nanoseconds for each entry of a matrix in a product, and for each unknown of a Krylov step.
 const PRODUCT_ENTRY: f64 = 1.0;
 const KRYLOV_UNKNOWN: f64 = 10.0;
 /// Nanoseconds for each entry to make the transpose.
 const TRANSPOSED: f64 = 12.0;
 /// Operations of the first stage of pushing.
-const FIRST_STAGE: u64 = 1 << 12;
-/// Steps that a pilot may take, about.
-const PILOT_STEPS: f64 = 100_000.0;
+const FIRST_STAGE: u64 = 1 << 15;
+/// Steps that pilots may take, about: before the first stage, and later.
+const FIRST_PILOT: f64 = 3_000.0;
+const PILOT: f64 = 30_000.0;
 /// Walks of a pilot.
 const PILOT_WALKS: (u64, u64) = (32, 512);
 
@@ -38,44 +38,50 @@ impl Solver<'_> {
         let deterministic = self.deterministic_cost(&options.goal);
         let mut push = Push::new(self.system.matrix(), target.iter().copied());
         let mut costs = vec![Cost { method: Method::Deterministic, seconds: deterministic * 1e-9 }];
-        let mut spent = 0.0;
-        let mut before: Option<Stage> = None;
+        let mut stage = self.stage(&push, target, options, FIRST_PILOT)?;
+        note(&mut costs, &stage, false);
         let mut stage_operations = FIRST_STAGE;
-        loop {
-            let stage = self.stage(&push, target, options)?;
-            note(&mut costs, &stage, push.pushes() > 0);
-            let last_cost = PUSHED * push.operations() as f64 - spent;
-            spent += last_cost;
-            let pays = before.is_none_or(|before| before.cheapest() - stage.cheapest() > last_cost);
-            let affordable = spent < stage.cheapest().min(deterministic);
-            if !(pays && affordable) {
-                if stage.cheapest() > deterministic {
-                    let mut answer = self.deterministic(target, &options.goal)?;
-                    answer.why = format!(
-                        "walks would take about {}, a deterministic solver about {} ({})",
-                        time(stage.cheapest()),
-                        time(deterministic),
-                        answer.why.trim_start_matches("as asked for: ")
-                    );
-                    return Ok(Answer { costs, ..answer });
-                }
-                return self.walk_on(&push, target, &stage, costs, options);
-            }
-            let before_stage = push.operations();
-            if let Some(answer) = self.push_to(&mut push, options, before_stage + stage_operations) {
+        let (mut operations, mut half_width) = (0, self.pushed(&push).1);
+        let mut pays = true;
+        while pays && PUSHED * (operations as f64) < stage.cheapest().min(deterministic) {
+            if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
                 let why = format!(
-                    "the proven bound of push got small enough after {} pushes; a deterministic solver would take about {}",
+                    "its proven bound got small enough after {} pushes; a deterministic solver would take about {}",
                     push.pushes(),
                     time(deterministic)
                 );
                 return Ok(Answer { why, costs, ..answer });
             }
-            if push.operations() == before_stage {
-                return self.walk_on(&push, target, &stage, costs, options);
+            let (value, next_half_width) = self.pushed(&push);
+            let used = push.operations() - operations;
+            if used == 0 {
+                break;
             }
-            stage_operations = push.operations().max(FIRST_STAGE);
-            before = Some(stage);
+            // If the bound went on to fall as in this stage.
+            let goal = options.goal.half_width(value);
+            let left = used as f64 * (next_half_width / goal).ln() / (half_width / next_half_width).ln();
+            (operations, half_width) = (push.operations(), next_half_width);
+            stage_operations = operations;
+            if 1.5 * PUSHED * left < stage.least.min(deterministic) {
+                // Walks could not even begin to count before that.
+                continue;
+            }
+            let next = self.stage(&push, target, options, PILOT)?;
+            note(&mut costs, &next, true);
+            pays = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            stage = next;
         }
+        if stage.cheapest() <= deterministic {
+            return self.walk_on(&push, target, &stage, costs, options);
+        }
+        let answer = self.deterministic(target, &options.goal)?;
+        let why = format!(
+            "walks would take about {}, a deterministic solver about {} ({})",
+            time(stage.cheapest()),
+            time(deterministic),
+            answer.why.trim_start_matches("as asked for: ")
+        );
+        Ok(Answer { why, costs, ..answer })
     }
 
     /// Push, then walks, as asked for.
@@ -92,7 +98,7 @@ impl Solver<'_> {
         let (mut cost, mut spent) = (f64::INFINITY, 0.0);
         // As long as a stage saves more walking than it costs.
         loop {
-            let next = self.walk_cost(forward, &push, target, options)?;
+            let next = self.walk_cost(forward, &push, target, options, PILOT)?.0;
             let stage = PUSHED * push.operations() as f64 - spent;
             if (push.pushes() > 0 && next.is_finite() && cost - next <= stage)
                 || !push.round(stage_operations)
@@ -131,57 +137,67 @@ impl Solver<'_> {
     }
 
     /// What walks would cost from here.
-    fn stage(&self, push: &Push<'_>, target: &[(usize, f64)], options: &Options) -> Result<Stage, Refusal> {
+    fn stage(
+        &self,
+        push: &Push<'_>,
+        target: &[(usize, f64)],
+        options: &Options,
+        pilot: f64,
+    ) -> Result<Stage, Refusal> {
+        const NEVER: (f64, f64) = (f64::INFINITY, f64::INFINITY);
         let system = self.system;
         // Asked for as late as possible: the columns cost a pass over the matrix.
         let rows = self.proof.rows_contract(system);
         let columns = || self.proof.columns_contract(system);
         // Where rows sum to more than one, the adjoint direction needs a certificate first, whose products cost a lot.
         let adjoint =
-            if rows || !columns() { self.walk_cost(false, push, target, options)? } else { f64::INFINITY };
+            if rows || !columns() { self.walk_cost(false, push, target, options, pilot)? } else { NEVER };
         let concentrated = system.summary().sources <= system.unknowns() / 8
             || system.unknowns() <= 4096
             || system.has_transposed();
         let making =
             if system.has_transposed() { 0.0 } else { TRANSPOSED * system.matrix().entries() as f64 };
-        let forward = if concentrated && making < adjoint && (!rows || columns()) {
-            making + self.walk_cost(true, push, target, options)?
+        let forward = if concentrated && making < adjoint.0 && (!rows || columns()) {
+            self.walk_cost(true, push, target, options, pilot)?
         } else {
-            f64::INFINITY
+            NEVER
         };
-        Ok(Stage { adjoint, forward })
+        Ok(Stage {
+            adjoint: adjoint.0,
+            forward: making + forward.0,
+            least: adjoint.1.min(making + forward.1),
+        })
     }
 
-    /// Nanoseconds that walks to the goal would take, by a pilot.
+    /// Nanoseconds that walks to the goal would take, and that the fewest walks would take, by a pilot of about `steps`.
     fn walk_cost(
         &self,
         forward: bool,
         push: &Push<'_>,
         target: &[(usize, f64)],
         options: &Options,
-    ) -> Result<f64, Refusal> {
+        steps: f64,
+    ) -> Result<(f64, f64), Refusal> {
         let push = (push.pushes() > 0).then_some(push);
-        let Some(side) = self.side(forward, target, push, options)? else { return Ok(0.0) };
+        let Some(side) = self.side(forward, target, push, options)? else { return Ok((0.0, 0.0)) };
         let kernel = side.kernel(options);
         let walker = side.walker(&kernel, options)?;
         let mut pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
-        let more = (PILOT_STEPS / (1.0 + pilot.steps_per_walk())) as u64;
+        let more = (steps / (1.0 + pilot.steps_per_walk())) as u64;
         if more > PILOT_WALKS.0 {
             pilot.merge(&walker.tally(options.seed ^ PILOT_SEED, PILOT_WALKS.0, more.min(PILOT_WALKS.1))?);
         }
+        // Walks that start all over a large system miss the cache at each transition.
+        let far = forward && self.system.matrix().entries() > 1 << 18;
+        let per_walk = CREATION + if far { FAR_STEP } else { NEAR_STEP } * pilot.steps_per_walk();
+        let least = FEWEST as f64 * per_walk;
+        if pilot.nonzero == 0 {
+            return Ok((f64::INFINITY, least));
+        }
         let offset = push.map_or(0.0, |push| push.value(self.system.source()));
         let alpha = 1.0 - options.goal.confidence;
-        let walks = walks_needed(&pilot, offset, &options.goal, interval(&side, options)?, alpha).max(1024);
-        if pilot.nonzero == 0 {
-            return Ok(f64::INFINITY);
-        }
-        Ok(walks as f64 * (CREATION + self.step_cost(forward, &pilot) * pilot.steps_per_walk()))
-    }
-
-    /// Nanoseconds of a transition: walks that start all over a large system miss the cache at each.
-    fn step_cost(&self, forward: bool, _pilot: &Tally) -> f64 {
-        let far = forward && self.system.matrix().entries() > 1 << 18;
-        if far { FAR_STEP } else { NEAR_STEP }
+        let walks = walks_needed(&pilot, offset, &options.goal, interval(&side, options)?, alpha).max(FEWEST);
+        Ok((walks as f64 * per_walk, least))
     }
 
     /// Nanoseconds of a Krylov solver: its iterations by the condition that rho allows.
@@ -202,6 +218,8 @@ impl Solver<'_> {
 struct Stage {
     adjoint: f64,
     forward: f64,
+    /// For the fewest walks that give an interval.
+    least: f64,
 }
 
 impl Stage {

@@ -103,11 +103,7 @@ fn blocks(a: &Matrix, b: &[f64], size: usize, damping: f64) -> Result<(Matrix, V
             }
             // B^-1 A is the identity within the block: exactly so, not up to rounding.
             row.retain(|&(j, _)| !block.contains(&(j as usize)));
-            if damping != 1.0 {
-                row.push((i as u32, -damping));
-            } else {
-                row.push((i as u32, -1.0));
-            }
+            row.push((i as u32, -damping));
             rows.push(row.into_iter(), i);
         }
     }

@@ -44,7 +44,7 @@ pub struct WeightWindow {
 
 impl Default for WeightWindow {
     fn default() -> Self {
-        Self { low: 0.25, survival: 0.5, high: 2.0 }
+        Self { low: 0.1, survival: 0.2, high: 2.0 }
     }
 }
 
