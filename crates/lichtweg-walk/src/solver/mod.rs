@@ -28,7 +28,7 @@ use crate::convergence::Radius;
 use crate::push::Push;
 use crate::sequential::{self, Vector};
 use crate::stopping::{Estimate, Goal, Interval, PILOT, estimate};
-use crate::walk::{Ending, Score, Start, Tally, WeightWindow};
+use crate::walk::{Ending, Prepared, Score, Start, Tally, WeightWindow};
 use crate::{Matrix, System};
 
 pub use answer::{Answer, Cost, Evidence, Functional, Method};
@@ -90,15 +90,25 @@ impl Default for Options {
 pub struct Solver<'a> {
     system: &'a System,
     proof: Proof,
-    /// Kernels in the coordinates of their certificates: along rows, along columns.
-    scaled: [OnceLock<Matrix>; 2],
+    /// Along rows, along columns.
+    kept: [Kept; 2],
+    source_start: OnceLock<Option<Start>>,
+}
+
+/// What walks in a direction need again and again.
+#[derive(Debug, Default)]
+struct Kept {
+    /// The kernel in the coordinates of its certificate.
+    scaled: OnceLock<Matrix>,
+    /// The long rows of the kernel that is walked on.
+    prepared: OnceLock<Prepared>,
 }
 
 impl<'a> Solver<'a> {
     /// For a system.
     #[must_use]
     pub fn new(system: &'a System) -> Self {
-        Self { system, proof: Proof::default(), scaled: Default::default() }
+        Self { system, proof: Proof::default(), kept: Default::default(), source_start: OnceLock::new() }
     }
 
     /// The system.
@@ -126,10 +136,7 @@ impl<'a> Solver<'a> {
         let mut answer = if self.system.summary().sources == 0 || target.is_empty() {
             Answer::exact(0.0, "the source vector or the functional is zero, and so is the answer")
         } else {
-            match options.method {
-                Method::Auto => self.plan(&target, options)?,
-                method => self.by(method, &target, options)?,
-            }
+            self.by(options.method, &target, options)?
         };
         answer.seconds = began.elapsed().as_secs_f64();
         Ok(answer)

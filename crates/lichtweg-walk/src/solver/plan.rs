@@ -42,7 +42,7 @@ impl Solver<'_> {
         note(&mut costs, &stage, false);
         let mut stage_operations = FIRST_STAGE;
         let (mut operations, mut half_width) = (0, self.pushed(&push).1);
-        let mut pays = true;
+        let (mut pays, mut steps) = (true, stage.steps);
         while pays && PUSHED * (operations as f64) < stage.cheapest().min(deterministic) {
             if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
                 let why = format!(
@@ -50,7 +50,7 @@ impl Solver<'_> {
                     push.pushes(),
                     time(deterministic)
                 );
-                return Ok(Answer { why, costs, ..answer });
+                return Ok(Answer { why, costs, steps, ..answer });
             }
             let (value, next_half_width) = self.pushed(&push);
             let used = push.operations() - operations;
@@ -69,10 +69,12 @@ impl Solver<'_> {
             let next = self.stage(&push, target, options, PILOT)?;
             note(&mut costs, &next, true);
             pays = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            steps += next.steps;
             stage = next;
         }
         if stage.cheapest() <= deterministic {
-            return self.walk_on(&push, target, &stage, costs, options);
+            let answer = self.walk_on(&push, target, &stage, costs, options)?;
+            return Ok(Answer { steps: answer.steps + steps, ..answer });
         }
         let answer = self.deterministic(target, &options.goal)?;
         let why = format!(
@@ -81,7 +83,7 @@ impl Solver<'_> {
             time(deterministic),
             answer.why.trim_start_matches("as asked for: ")
         );
-        Ok(Answer { why, costs, ..answer })
+        Ok(Answer { why, costs, steps, ..answer })
     }
 
     /// Push, then walks, as asked for.
@@ -98,7 +100,7 @@ impl Solver<'_> {
         let (mut cost, mut spent) = (f64::INFINITY, 0.0);
         // As long as a stage saves more walking than it costs.
         loop {
-            let next = self.walk_cost(forward, &push, target, options, PILOT)?.0;
+            let next = self.walk_cost(forward, &push, target, options, PILOT)?.all;
             let stage = PUSHED * push.operations() as f64 - spent;
             if (push.pushes() > 0 && next.is_finite() && cost - next <= stage)
                 || !push.round(stage_operations)
@@ -144,32 +146,35 @@ impl Solver<'_> {
         options: &Options,
         pilot: f64,
     ) -> Result<Stage, Refusal> {
-        const NEVER: (f64, f64) = (f64::INFINITY, f64::INFINITY);
         let system = self.system;
         // Asked for as late as possible: the columns cost a pass over the matrix.
         let rows = self.proof.rows_contract(system);
         let columns = || self.proof.columns_contract(system);
         // Where rows sum to more than one, the adjoint direction needs a certificate first, whose products cost a lot.
-        let adjoint =
-            if rows || !columns() { self.walk_cost(false, push, target, options, pilot)? } else { NEVER };
+        let adjoint = if rows || !columns() {
+            self.walk_cost(false, push, target, options, pilot)?
+        } else {
+            WalkCost::NEVER
+        };
         let concentrated = system.summary().sources <= system.unknowns() / 8
             || system.unknowns() <= 4096
             || system.has_transposed();
         let making =
             if system.has_transposed() { 0.0 } else { TRANSPOSED * system.matrix().entries() as f64 };
-        let forward = if concentrated && making < adjoint.0 && (!rows || columns()) {
+        let forward = if concentrated && making < adjoint.all && (!rows || columns()) {
             self.walk_cost(true, push, target, options, pilot)?
         } else {
-            NEVER
+            WalkCost::NEVER
         };
         Ok(Stage {
-            adjoint: adjoint.0,
-            forward: making + forward.0,
-            least: adjoint.1.min(making + forward.1),
+            adjoint: adjoint.all,
+            forward: making + forward.all,
+            least: adjoint.least.min(making + forward.least),
+            steps: adjoint.steps + forward.steps,
         })
     }
 
-    /// Nanoseconds that walks to the goal would take, and that the fewest walks would take, by a pilot of about `steps`.
+    /// What walks to the goal would take, by a pilot of about `steps`.
     fn walk_cost(
         &self,
         forward: bool,
@@ -177,9 +182,11 @@ impl Solver<'_> {
         target: &[(usize, f64)],
         options: &Options,
         steps: f64,
-    ) -> Result<(f64, f64), Refusal> {
+    ) -> Result<WalkCost, Refusal> {
         let push = (push.pushes() > 0).then_some(push);
-        let Some(side) = self.side(forward, target, push, options)? else { return Ok((0.0, 0.0)) };
+        let Some(side) = self.side(forward, target, push, options)? else {
+            return Ok(WalkCost { all: 0.0, least: 0.0, steps: 0 });
+        };
         let kernel = side.kernel(options);
         let walker = side.walker(&kernel, options)?;
         let mut pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
@@ -192,12 +199,12 @@ impl Solver<'_> {
         let per_walk = CREATION + if far { FAR_STEP } else { NEAR_STEP } * pilot.steps_per_walk();
         let least = FEWEST as f64 * per_walk;
         if pilot.nonzero == 0 {
-            return Ok((f64::INFINITY, least));
+            return Ok(WalkCost { all: f64::INFINITY, least, steps: pilot.steps });
         }
         let offset = push.map_or(0.0, |push| push.value(self.system.source()));
         let alpha = 1.0 - options.goal.confidence;
         let walks = walks_needed(&pilot, offset, &options.goal, interval(&side, options)?, alpha).max(FEWEST);
-        Ok((walks as f64 * per_walk, least))
+        Ok(WalkCost { all: walks as f64 * per_walk, least, steps: pilot.steps })
     }
 
     /// Nanoseconds of a Krylov solver: its iterations by the condition that rho allows.
@@ -213,6 +220,21 @@ impl Solver<'_> {
     }
 }
 
+/// Expected nanoseconds of walks in one direction.
+#[derive(Clone, Copy, Debug)]
+struct WalkCost {
+    /// To the goal.
+    all: f64,
+    /// For the fewest walks that give an interval.
+    least: f64,
+    /// Transitions that the pilot made.
+    steps: u64,
+}
+
+impl WalkCost {
+    const NEVER: Self = Self { all: f64::INFINITY, least: f64::INFINITY, steps: 0 };
+}
+
 /// Expected nanoseconds of walks from a stage of pushing.
 #[derive(Clone, Copy, Debug)]
 struct Stage {
@@ -220,6 +242,8 @@ struct Stage {
     forward: f64,
     /// For the fewest walks that give an interval.
     least: f64,
+    /// Transitions that pilots made.
+    steps: u64,
 }
 
 impl Stage {

@@ -6,7 +6,7 @@ use super::{Options, Refusal, Solver, refusal, start};
 use crate::Matrix;
 use crate::convergence::{Radius, spectral_radius};
 use crate::push::Push;
-use crate::walk::{Ending, Kernel, Score, Selection, Start, Walker};
+use crate::walk::{Ending, Kernel, Prepared, Score, Selection, Start, Walker};
 
 /// How walks choose their next state.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,7 +29,9 @@ pub enum Choice {
 #[derive(Debug)]
 pub(super) struct Side<'a> {
     kernel: Cow<'a, Matrix>,
-    start: Start,
+    /// What is kept of the kernel's long rows.
+    prepared: Option<&'a Prepared>,
+    start: Cow<'a, Start>,
     score: Cow<'a, [f64]>,
     /// Largest row sum of the kernel, where it is known to be below one.
     contraction: Option<f64>,
@@ -52,58 +54,67 @@ impl Solver<'_> {
                 Some(push) => push.touched().for_each(|i| score[i] = push.residual(i)),
                 None => target.iter().for_each(|&(i, value)| score[i] += value),
             }
-            (start(system.source().iter().copied().enumerate())?, Cow::Owned(score))
+            if push.is_some_and(|push| push.touched().all(|i| score[i] == 0.0)) {
+                return Ok(None);
+            }
+            (self.source_start()?.map(Cow::Borrowed), Cow::Owned(score))
         } else {
             let plain = match push {
                 Some(push) => start(push.touched().map(|i| (i, push.residual(i))))?,
                 None => start(target.iter().copied())?,
             };
-            (plain, Cow::Borrowed(system.source()))
+            (plain.map(Cow::Owned), Cow::Borrowed(system.source()))
         };
         let Some(plain) = plain else { return Ok(None) };
-        if push.is_some_and(|push| push.touched().all(|i| push.residual(i) == 0.0)) {
-            return Ok(None);
-        }
         let matrix = if forward { system.transposed() } else { system.matrix() };
-        let side = |contraction| Side {
-            kernel: Cow::Borrowed(matrix),
-            start: plain.clone(),
-            score: score.clone(),
-            contraction,
+        let side =
+            Side { kernel: Cow::Borrowed(matrix), prepared: None, start: plain, score, contraction: None };
+        let weighted_by = |side: Side<'b>, d: &[f64]| side.weighted(Cow::Owned(matrix.similar(d)), d);
+        let side = match &options.choice {
+            Choice::Auto => self.tamed(side, forward)?,
+            Choice::Magnitude | Choice::Uniform => side,
+            Choice::Perron => weighted_by(side, &perron(matrix))?,
+            Choice::Guide(y) if y.len() == system.unknowns() => weighted_by(side, &positive(y)?)?,
+            Choice::Guide(y) => {
+                let (length, unknowns) = (y.len(), system.unknowns());
+                let message = format!("the guide has {length} elements, the system {unknowns} unknowns");
+                return Err(Refusal::Parameter(message));
+            }
         };
+        side.checked(options).map(Some)
+    }
+
+    /// The side in coordinates in which no row sums to more than one, if they are known. What that takes is kept.
+    fn tamed<'b>(&'b self, side: Side<'b>, forward: bool) -> Result<Side<'b>, Refusal> {
+        let system = self.system;
+        let matrix = if forward { system.transposed() } else { system.matrix() };
+        let kept = &self.kept[usize::from(forward)];
         let contracts =
             if forward { self.proof.columns_contract(system) } else { self.proof.rows_contract(system) };
-        match &options.choice {
-            Choice::Auto if contracts => {
-                Ok(Some(side(self.radius_of(forward).certificate.as_ref().map(|c| c.contraction))))
+        let certificate = self.radius_of(forward).certificate.as_ref();
+        match certificate.and_then(|certificate| certificate.weights.as_ref()) {
+            Some(weights) if !contracts => {
+                let scaled = kept.scaled.get_or_init(|| matrix.similar(weights));
+                let prepared = kept.prepared.get_or_init(|| Prepared::new(scaled));
+                let side = side.weighted(Cow::Borrowed(scaled), weights)?;
+                Ok(Side { prepared: Some(prepared), ..side })
             }
-            Choice::Auto => {
-                let weights = self.radius_of(forward).certificate.as_ref().and_then(|c| c.weights.as_ref());
-                let Some(weights) = weights else { return side(None).checked(options).map(Some) };
-                let scaled = self.scaled[usize::from(forward)].get_or_init(|| matrix.similar(weights));
-                side(None).weighted(Cow::Borrowed(scaled), weights).map(Some)
-            }
-            Choice::Magnitude | Choice::Uniform => side(None).checked(options).map(Some),
-            Choice::Perron => {
-                let weights = perron(matrix);
-                side(None)
-                    .weighted(Cow::Owned(matrix.similar(&weights)), &weights)?
-                    .checked(options)
-                    .map(Some)
-            }
-            Choice::Guide(y) if y.len() != system.unknowns() => Err(Refusal::Parameter(format!(
-                "the guide has {} elements, the system {} unknowns",
-                y.len(),
-                system.unknowns()
-            ))),
-            Choice::Guide(y) => {
-                let weights = positive(y)?;
-                side(None)
-                    .weighted(Cow::Owned(matrix.similar(&weights)), &weights)?
-                    .checked(options)
-                    .map(Some)
+            _ => {
+                let prepared = Some(kept.prepared.get_or_init(|| Prepared::new(matrix)));
+                let contraction =
+                    certificate.filter(|_| contracts).map(|certificate| certificate.contraction);
+                Ok(Side { prepared, contraction, ..side })
             }
         }
+    }
+
+    /// Where forward walks start.
+    fn source_start(&self) -> Result<Option<&Start>, Refusal> {
+        if self.source_start.get().is_none() {
+            let start = start(self.system.source().iter().copied().enumerate())?;
+            let _ = self.source_start.set(start);
+        }
+        Ok(self.source_start.get().and_then(Option::as_ref))
     }
 
     fn radius_of(&self, forward: bool) -> &Radius {
@@ -142,12 +153,12 @@ fn perron(kernel: &Matrix) -> Vec<f64> {
 impl<'a> Side<'a> {
     /// The same problem in the coordinates of an importance d: D^-1 K D (given), s D, D^-1 r.
     fn weighted(self, kernel: Cow<'a, Matrix>, d: &[f64]) -> Result<Self, Refusal> {
-        let start =
-            self.start.scaled(d).ok_or_else(|| Refusal::Parameter("the importance overflows".into()))?;
+        let overflow = || Refusal::Parameter("the importance overflows".into());
+        let start = Cow::Owned(self.start.scaled(d).ok_or_else(overflow)?);
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
         let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
         let contraction = (largest < 1.0).then_some(largest);
-        Ok(Side { kernel, start, score: Cow::Owned(score), contraction })
+        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction })
     }
 
     /// The same, if the variance matrix has a radius below 1. Where rows sum to at most one it has that of |K|, which was
@@ -155,8 +166,8 @@ impl<'a> Side<'a> {
     fn checked(self, options: &Options) -> Result<Self, Refusal> {
         let uniform = options.choice == Choice::Uniform;
         let constant = matches!(options.ending, Ending::Constant(_));
-        let largest = self.kernel.map_rows(|i| self.kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
-        if !uniform && !constant && largest <= 1.0 + 1e-12 {
+        let at_most_one = || (0..self.kernel.rows()).all(|i| self.kernel.row(i).mass() <= 1.0 + 1e-12);
+        if !uniform && !constant && (self.contraction.is_some() || at_most_one()) {
             return Ok(self);
         }
         let found = spectral_radius(&variance_matrix(&self.kernel, uniform, options.ending), None, 500);
@@ -185,7 +196,11 @@ impl<'a> Side<'a> {
     /// The kernel to walk on.
     pub(super) fn kernel(&self, options: &Options) -> Kernel<'_> {
         let uniform = options.choice == Choice::Uniform;
-        Kernel::new(&self.kernel, if uniform { Selection::Uniform } else { Selection::Proportional })
+        let selection = if uniform { Selection::Uniform } else { Selection::Proportional };
+        match self.prepared {
+            Some(prepared) => Kernel::with(&self.kernel, selection, prepared),
+            None => Kernel::new(&self.kernel, selection),
+        }
     }
 
     /// Walks as the options say.

@@ -9,6 +9,8 @@
 //! Rows of a few entries are added up and searched as they are met, so that one walk on a large matrix needs no
 //! preparation. Long rows have their cumulative sums in a table, unless all of their entries are equal.
 
+use std::borrow::Cow;
+
 use crate::Matrix;
 
 /// How the next state is chosen.
@@ -26,7 +28,17 @@ pub enum Selection {
 pub struct Kernel<'a> {
     matrix: &'a Matrix,
     selection: Selection,
-    long: Option<LongRows>,
+    long: Cow<'a, Prepared>,
+}
+
+/// What a kernel looks up of long rows; costs a pass over the matrix where there are any, so it is worth keeping.
+#[derive(Clone, Debug)]
+pub(crate) struct Prepared(Option<LongRows>);
+
+impl Prepared {
+    pub(crate) fn new(matrix: &Matrix) -> Self {
+        Self(LongRows::new(matrix))
+    }
 }
 
 /// Rows up to this length are searched without a table.
@@ -63,7 +75,12 @@ impl<'a> Kernel<'a> {
     /// Of a square matrix.
     #[must_use]
     pub fn new(matrix: &'a Matrix, selection: Selection) -> Self {
-        Self { matrix, selection, long: LongRows::new(matrix) }
+        Self { matrix, selection, long: Cow::Owned(Prepared::new(matrix)) }
+    }
+
+    /// The same, with what was prepared of this matrix before.
+    pub(crate) fn with(matrix: &'a Matrix, selection: Selection, prepared: &'a Prepared) -> Self {
+        Self { matrix, selection, long: Cow::Borrowed(prepared) }
     }
 
     /// The matrix K.
@@ -126,7 +143,7 @@ impl<'a> Kernel<'a> {
 
     #[inline]
     fn long_row(&self, i: usize) -> Option<(LongRow, &[f64])> {
-        let long = self.long.as_ref()?;
+        let long = self.long.0.as_ref()?;
         let row = long.table[long.slot[i] as usize];
         let range = if row.cumulative == EVEN {
             0..0

@@ -24,6 +24,7 @@ mod quasi;
 mod tally;
 mod walker;
 
+pub(crate) use kernel::Prepared;
 pub use kernel::{Kernel, Selection};
 pub use quasi::quasi_random;
 pub use tally::Tally;
