@@ -10,10 +10,30 @@ use crate::quadric::PlacedQuadric;
 use crate::ray::{Hit, Ray};
 use crate::simd::Isa;
 
+/// How much work to put into a structure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BuildQuality {
+    /// Few bins, no splits through triangles: for what changes often.
+    Fast,
+    /// The surface area heuristic with splits through triangles, which add at most a fifth to the number
+    /// of references.
+    #[default]
+    High,
+}
+
 /// How to build.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct BuildOptions {}
+pub struct BuildOptions {
+    /// How much work to put into the structure.
+    pub quality: BuildQuality,
+}
+
+impl From<BuildQuality> for BuildOptions {
+    fn from(quality: BuildQuality) -> Self {
+        Self { quality }
+    }
+}
 
 /// What a build did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,10 +107,10 @@ pub struct Accel {
 impl Accel {
     /// Builds the structure on rayon's current thread pool; the result does not depend on its size.
     /// Triangles that are not finite, beyond 2^40 or without area are dropped and counted.
-    pub fn build(geometries: Vec<Geometry>, _options: BuildOptions) -> Result<Self, BuildError> {
+    pub fn build(geometries: Vec<Geometry>, options: BuildOptions) -> Result<Self, BuildError> {
         let start = Instant::now();
         let mut census = build::census(&geometries)?;
-        let bvh = build::build(&geometries, &mut census)?;
+        let bvh = build::build(&geometries, &mut census, options.quality)?;
         let report = BuildReport {
             triangles: census.triangles,
             quadrics: census.quadrics.len(),

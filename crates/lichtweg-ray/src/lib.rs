@@ -20,6 +20,10 @@ mod accel;
 mod agreement;
 mod build;
 mod bvh;
+#[cfg(feature = "count")]
+pub mod counts;
+#[cfg(not(feature = "count"))]
+mod counts;
 mod geometry;
 pub mod math;
 mod memory;
@@ -28,7 +32,7 @@ mod ray;
 mod simd;
 mod triangle;
 
-pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
+pub use accel::{Accel, BuildError, BuildOptions, BuildQuality, BuildReport};
 pub use geometry::{Geometry, TriangleMesh};
 pub use quadric::{Quadric, QuadricShape};
 pub use ray::{Hit, Ray};

@@ -6,33 +6,55 @@ use std::mem::MaybeUninit;
 use rayon::prelude::*;
 
 use super::primitive::Census;
-use super::tree::{Built, Part, TreeBuilder};
-use crate::accel::BuildError;
+use super::tree::{Built, Effort, Part, TreeBuilder};
+use crate::accel::{BuildError, BuildQuality};
 use crate::bvh::{Block, Bvh, ChildRef, Node, Numbering};
 use crate::geometry::Geometry;
 use crate::memory::Pages;
 use crate::simd::WIDTH;
 
 /// Builds the hierarchy of all primitives.
-pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh, BuildError> {
+pub(crate) fn build(
+    geometries: &[Geometry],
+    census: &mut Census,
+    quality: BuildQuality,
+) -> Result<Bvh, BuildError> {
     let primitives = &mut census.primitives;
+    let count = primitives.len();
     let mut plan = Layout::default();
     let root = if primitives.is_empty() {
         ChildRef::NOTHING
     } else {
-        let builder =
-            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.quadrics.is_empty() };
-        let built = builder.build(primitives);
+        let (effort, room) = effort(quality, count);
+        primitives.resize(count + room, primitives[0]);
+        let (numbering, mixed) = (&census.numbering, !census.quadrics.is_empty());
+        let mut builder = TreeBuilder { geometries, numbering, mixed, effort, overlap: 0.0 };
+        let built = builder.build(primitives, count);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)
     };
     if plan.end.blocks.max(plan.end.others) >= ChildRef::MAX_INDEX {
-        return Err(BuildError::TooLarge { primitives: primitives.len() });
+        return Err(BuildError::TooLarge { primitives: count });
     }
     let b = census.bounds;
     let reach = if b.is_empty() { 0.0 } else { b.min.abs().max(b.max.abs()).max_element() };
     let numbering = std::mem::take(&mut census.numbering);
     Ok(plan.assemble(root, numbering, reach))
+}
+
+/// What a quality means, and how many references splits through triangles may add.
+fn effort(quality: BuildQuality, count: usize) -> (Effort, usize) {
+    match quality {
+        BuildQuality::Fast => (Effort { bins: 16, grain: WIDTH, overlap: f32::INFINITY }, 0),
+        BuildQuality::High => {
+            let e = |n: &str, d: f32| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+            let room = e("ROOM", 0.2);
+            (
+                Effort { bins: 32, grain: e("GRAIN", 4.0) as usize, overlap: e("OVERLAP", 1e-5) },
+                (count as f32 * room) as usize,
+            )
+        }
+    }
 }
 
 fn upper_nodes(built: &Built) -> usize {

@@ -17,37 +17,49 @@ pub(crate) const MAX_COORDINATE: f32 = 1.099_511_6e12;
 /// Triangles handled by one task; fixed, so that the order of primitives is.
 const CHUNK: usize = 1 << 14;
 
-/// A primitive's box; the fourth lanes hold the bits of the geometry's and the primitive's index.
+/// A primitive's name and box. The integers are never touched by `f32` operations, which would flush
+/// small ones to zero on threads that do so with denormal numbers.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(16))]
 pub(crate) struct Primitive {
-    pub bounds: QuadBox,
+    lo: [f32; 3],
+    geometry: u32,
+    hi: [f32; 3],
+    primitive: u32,
 }
 
 impl Primitive {
     #[inline(always)]
     fn new(lo: Vec3, hi: Vec3, geometry: u32, primitive: u32) -> Self {
-        Self {
-            bounds: QuadBox {
-                lo: Quad::new(lo.x, lo.y, lo.z, f32::from_bits(geometry)),
-                hi: Quad::new(hi.x, hi.y, hi.z, f32::from_bits(primitive)),
-            },
-        }
+        Self { lo: lo.to_array(), geometry, hi: hi.to_array(), primitive }
+    }
+
+    /// The same primitive with another box.
+    pub(crate) fn within(&self, bounds: QuadBox) -> Self {
+        let Bounds3 { min, max } = bounds.to_bounds();
+        Self { lo: min.to_array(), hi: max.to_array(), ..*self }
+    }
+
+    /// The box (the fourth lanes are meaningless).
+    #[inline(always)]
+    pub(crate) fn bounds(&self) -> QuadBox {
+        // SAFETY: both are 32 plain bytes, of which the first three lanes of each half are the corners.
+        unsafe { std::mem::transmute(*self) }
     }
 
     /// Twice the centre of the box (the fourth lane is meaningless).
     #[inline(always)]
     pub(crate) fn center2(&self) -> Quad {
-        self.bounds.lo.add(self.bounds.hi)
+        let QuadBox { lo, hi } = self.bounds();
+        lo.add(hi)
     }
 
-    #[inline(always)]
     pub(crate) fn geometry(&self) -> u32 {
-        self.bounds.lo.to_array()[3].to_bits()
+        self.geometry
     }
 
-    #[inline(always)]
     pub(crate) fn primitive(&self) -> u32 {
-        self.bounds.hi.to_array()[3].to_bits()
+        self.primitive
     }
 }
 
