@@ -28,7 +28,7 @@ pub(crate) fn build(
         let (effort, room) = effort(quality, count);
         primitives.resize(count + room, primitives[0]);
         let (numbering, mixed) = (&census.numbering, !census.quadrics.is_empty());
-        let mut builder = TreeBuilder { geometries, numbering, mixed, effort, overlap: 0.0 };
+        let mut builder = TreeBuilder { geometries, numbering, mixed, effort, overlap: 0.0, largest: 0.0 };
         let built = builder.build(primitives, count);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)
@@ -45,12 +45,12 @@ pub(crate) fn build(
 /// What a quality means, and how many references splits through triangles may add.
 fn effort(quality: BuildQuality, count: usize) -> (Effort, usize) {
     match quality {
-        BuildQuality::Fast => (Effort { bins: 16, grain: WIDTH, overlap: f32::INFINITY }, 0),
+        BuildQuality::Fast => (Effort { bins: 16, grain: WIDTH, overlap: f32::INFINITY, bias: 1.0 }, 0),
         BuildQuality::High => {
             let e = |n: &str, d: f32| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
             let room = e("ROOM", 0.2);
             (
-                Effort { bins: 32, grain: e("GRAIN", 4.0) as usize, overlap: e("OVERLAP", 1e-5) },
+                Effort { bins: 32, grain: e("GRAIN", 4.0) as usize, bias: e("BIAS", 1.0), overlap: e("OVERLAP", 1e-5) },
                 (count as f32 * room) as usize,
             )
         }

@@ -23,14 +23,18 @@ pub(crate) struct Piece {
 impl Piece {
     /// What a reference stands for, if that can be cut.
     #[inline(always)]
-    pub(crate) fn of(geometries: &[Geometry], reference: &Primitive) -> Option<Self> {
+    pub(crate) fn of(geometries: &[Geometry], reference: &Primitive, largest: f32) -> Option<Self> {
         let Geometry::Triangles(mesh) = &geometries[reference.geometry() as usize] else { return None };
         let coordinates = mesh.corners(reference.primitive()).map(|c| [c.x, c.y, c.z, 0.0]);
         let corners = coordinates.map(|[x, y, z, _]| Quad::new(x, y, z, 0.0));
         let lo = corners[0].min(corners[1]).min(corners[2]);
         let hi = corners[0].max(corners[1]).max(corners[2]);
         let [x, y, z, _] = hi.sub(lo).to_array();
-        let margin = Quad::splat(x.max(y).max(z) * (6.0 * 2.0_f32.powi(-23)));
+        let size = x.max(y).max(z);
+        if x * (y + z) + y * z > largest {
+            return None;
+        }
+        let margin = Quad::splat(size * (6.0 * 2.0_f32.powi(-23)));
         Some(Self { corners, coordinates, margin, whole: *reference })
     }
 

@@ -78,19 +78,19 @@ impl Histogram {
         Self { bounds: [[QuadBox::empty(); 3]; BINS], begins: [[0; 3]; BINS], ends: [[0; 3]; BINS] }
     }
 
-    fn of(geometries: &[Geometry], references: &[Primitive], slabs: &Slabs) -> Self {
+    fn of(geometries: &[Geometry], references: &[Primitive], slabs: &Slabs, largest: f32) -> Self {
         let mut out = Self::new();
         for reference in references {
-            out.add(geometries, reference, slabs);
+            out.add(geometries, reference, slabs, largest);
         }
         out
     }
 
     #[inline(always)]
-    fn add(&mut self, geometries: &[Geometry], reference: &Primitive, slabs: &Slabs) {
+    fn add(&mut self, geometries: &[Geometry], reference: &Primitive, slabs: &Slabs, largest: f32) {
         let first = slabs.bins_of(reference.bounds().lo);
         let last = slabs.bins_of(reference.bounds().hi);
-        let piece = if first == last { None } else { Piece::of(geometries, reference) };
+        let piece = if first == last { None } else { Piece::of(geometries, reference, largest) };
         for axis in 0..3 {
             let (mut from, mut to) = (first[axis], last[axis]);
             if let Some(piece) = piece.as_ref().filter(|_| from != to) {
@@ -130,14 +130,15 @@ pub(crate) fn find_spatial_split(
     references: &[Primitive],
     extent: &Extent,
     block: u32,
+    largest: f32,
 ) -> Option<SpatialSplit> {
     let slabs = Slabs::new(&extent.bounds);
     let histogram = if references.len() <= CHUNK {
-        Histogram::of(geometries, references, &slabs)
+        Histogram::of(geometries, references, &slabs, largest)
     } else {
         references
             .par_chunks(CHUNK)
-            .map(|part| Box::new(Histogram::of(geometries, part, &slabs)))
+            .map(|part| Box::new(Histogram::of(geometries, part, &slabs, largest)))
             .reduce_with(|a, b| Box::new(a.merged(&b)))
             .map_or_else(Histogram::new, |h| *h)
     };
@@ -183,7 +184,7 @@ pub(crate) struct Sides {
 }
 
 /// Cuts the references. Of what lies on one side only, or cannot be cut, nothing is duplicated.
-pub(crate) fn cut(geometries: &[Geometry], references: &[Primitive], split: &SpatialSplit) -> Sides {
+pub(crate) fn cut(geometries: &[Geometry], references: &[Primitive], split: &SpatialSplit, largest: f32) -> Sides {
     let &SpatialSplit { axis, position, duplicates, .. } = split;
     let mut left = Vec::with_capacity(references.len() + duplicates);
     let mut right = Vec::with_capacity(references.len());
@@ -193,7 +194,7 @@ pub(crate) fn cut(geometries: &[Geometry], references: &[Primitive], split: &Spa
             left.push(*reference);
         } else if lo >= position {
             right.push(*reference);
-        } else if let Some(piece) = Piece::of(geometries, reference) {
+        } else if let Some(piece) = Piece::of(geometries, reference, largest) {
             left.extend(piece.cut(piece.between(axis, f32::NEG_INFINITY, position)));
             right.extend(piece.cut(piece.between(axis, position, f32::INFINITY)));
         } else if lo + hi <= 2.0 * position {

@@ -43,6 +43,7 @@ pub(crate) struct Effort {
     pub grain: usize,
     /// Overlap of two halves from which on splits through triangles are tried, as a share of the root's area.
     pub overlap: f32,
+    pub bias: f32,
 }
 
 /// References that are to become a subtree, and room for more of them.
@@ -84,6 +85,7 @@ pub(crate) struct TreeBuilder<'a> {
     pub effort: Effort,
     /// Overlap of two halves from which on splits through triangles are tried.
     pub overlap: f32,
+    pub largest: f32,
 }
 
 impl TreeBuilder<'_> {
@@ -91,6 +93,7 @@ impl TreeBuilder<'_> {
     pub(crate) fn build(&mut self, slots: &mut [Primitive], count: usize) -> Built {
         let extent = Extent::of(&slots[..count]);
         self.overlap = self.effort.overlap * extent.bounds.half_area();
+        self.largest = std::env::var("LARGE").ok().and_then(|v| v.parse().ok()).unwrap_or(0.1) * extent.bounds.half_area();
         self.subtree(Range { slots, count, extent }, 0)
     }
 
@@ -178,8 +181,8 @@ impl TreeBuilder<'_> {
         };
         let room = range.slots.len() - count;
         if room > 0 && split.overlap > self.overlap {
-            let spatial = find_spatial_split(self.geometries, range.references(), &range.extent, block);
-            if let Some(spatial) = spatial.filter(|s| s.cost < split.cost && s.duplicates <= room) {
+            let spatial = find_spatial_split(self.geometries, range.references(), &range.extent, block, self.largest);
+            if let Some(spatial) = spatial.filter(|s| s.cost < self.effort.bias * split.cost && s.duplicates <= room) {
                 return Some(Plan::Cut(spatial, split));
             }
         }
@@ -190,7 +193,7 @@ impl TreeBuilder<'_> {
         let split = match plan {
             Plan::Split(split) => split,
             Plan::Cut(spatial, split) => {
-                let sides = cut(self.geometries, range.references(), &spatial);
+                let sides = cut(self.geometries, range.references(), &spatial, self.largest);
                 let count = sides.references.len();
                 // Rounding may make more of it than foreseen.
                 if sides.middle == 0 || sides.middle == count || count > range.slots.len() {
