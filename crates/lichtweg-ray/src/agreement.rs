@@ -5,21 +5,21 @@ use crate::simd::Isa;
 use crate::{Accel, BuildOptions, Geometry, Quadric, QuadricShape, Ray, TriangleMesh};
 
 /// A linear congruential generator (Knuth's MMIX constants), values in [-1, 1).
-struct Random(u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f32 {
+    pub(crate) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0
     }
 
-    fn point(&mut self) -> Vec3 {
+    pub(crate) fn point(&mut self) -> Vec3 {
         Vec3::new(self.next(), self.next(), self.next())
     }
 }
 
 /// Triangles on and off a coarse grid, and a few quadrics.
-fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
+pub(crate) fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
     let mut positions = Vec::new();
     for i in 0..triangles {
         let (a, b, c) = (random.point(), random.point() * 0.1, random.point() * 0.1);
@@ -38,7 +38,7 @@ fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
     all
 }
 
-fn ray(random: &mut Random, i: usize) -> Ray {
+pub(crate) fn ray(random: &mut Random, i: usize) -> Ray {
     let (origin, mut direction) = (random.point() * 1.5, random.point());
     match i % 4 {
         0 => direction = Vec3::from_array(direction.to_array().map(|x| (x * 1.5).round())),

@@ -25,14 +25,17 @@ pub mod counts;
 #[cfg(not(feature = "count"))]
 mod counts;
 mod geometry;
+mod kind;
 pub mod math;
 mod memory;
-mod quadric;
+mod packet;
 mod ray;
 mod simd;
 mod triangle;
+pub mod wide;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildQuality, BuildReport};
 pub use geometry::{Geometry, TriangleMesh};
-pub use quadric::{Quadric, QuadricShape};
+pub use kind::{Quadric, QuadricShape};
+pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};

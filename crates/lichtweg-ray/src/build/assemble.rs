@@ -27,7 +27,7 @@ pub(crate) fn build(
     } else {
         let (effort, room) = effort(quality, count);
         primitives.resize(count + room, primitives[0]);
-        let (numbering, mixed) = (&census.numbering, !census.quadrics.is_empty());
+        let (numbering, mixed) = (&census.numbering, !census.items.is_empty());
         let mut builder = TreeBuilder { geometries, numbering, mixed, effort, overlap: 0.0, largest: 0.0 };
         let built = builder.build(primitives, count);
         plan.end.nodes = upper_nodes(&built);

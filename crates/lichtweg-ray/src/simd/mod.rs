@@ -4,6 +4,8 @@
 //! dispatch (see [`Isa`]). Every operation is exactly rounded IEEE arithmetic with the same treatment of
 //! NaN, so that all instruction sets give the same bits.
 
+use std::sync::OnceLock;
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -57,7 +59,8 @@ impl Isa {
 
     /// The best that this machine can run.
     pub(crate) fn best() -> Self {
-        *Self::available().last().expect("the portable set is always there")
+        static BEST: OnceLock<Isa> = OnceLock::new();
+        *BEST.get_or_init(|| *Self::available().last().expect("the portable set is always there"))
     }
 }
 
@@ -66,6 +69,8 @@ impl Isa {
 /// Implementors that use intrinsics may be touched only below a dispatch that has detected the
 /// instruction set; the module boundary keeps that promise, hence the methods are not `unsafe`.
 pub(crate) trait Lanes: Copy {
+    /// Which one this is.
+    const ISA: Isa;
     /// One truth value a lane.
     type Mask: Copy;
 

@@ -214,7 +214,9 @@ fn add_shape(
         diagnostics.push(fault("unknown-material", source, "a shape has a material that does not exist"));
         return;
     }
-    let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|light| {
+    let has_holes = materials.has_holes(material);
+    let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|mut light| {
+        light.row = light.emission_row(has_holes);
         lights.push(Light::Area(light));
         lights.len() as u32 - 1
     });
@@ -226,7 +228,8 @@ fn add_shape(
     {
         mesh.forget_coordinates();
     }
-    shapes.push(Shape { form, material, light, has_holes: materials.has_holes(material) });
+    let diffuse = if has_holes || light.is_some() { None } else { materials.diffuse(material) };
+    shapes.push(Shape { form, material, light, has_holes, diffuse });
 }
 
 fn area_light(
@@ -258,7 +261,8 @@ fn area_light(
         );
         return None;
     };
-    let mut light = AreaLight { shape, radiance, factor: 1.0, two_sided: emission.two_sided, sampling };
+    let mut light =
+        AreaLight { shape, radiance, factor: 1.0, two_sided: emission.two_sided, sampling, row: None };
     light.factor = match emission.scale {
         EmissionScale::Factor(factor) => factor,
         EmissionScale::Power(power) => {

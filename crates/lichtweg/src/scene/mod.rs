@@ -7,14 +7,16 @@ pub mod offset;
 mod surface;
 
 use lichtweg_ray::math::{Bounds3, Vec3};
-use lichtweg_ray::{Accel, BuildReport, Ray};
+use lichtweg_ray::{Accel, BuildReport, Hit, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightSelection};
+use crate::light::{AreaLight, Environment, Light, LightSelection, TrianglePick};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
+pub(crate) use material::Diffuse;
 pub use material::{MaterialArena, Scatterer};
+pub(crate) use surface::Facets;
 pub use surface::{Form, MeshForm, QuadricForm, SurfacePoint};
 
 /// A compiled scene: immutable, and shared by all threads.
@@ -39,6 +41,8 @@ struct Shape {
     material: u32,
     light: Option<u32>,
     has_holes: bool,
+    /// Where it does nothing but reflect diffusely.
+    diffuse: Option<Diffuse>,
 }
 
 /// Exact counts of ray queries.
@@ -62,6 +66,41 @@ impl RayCounts {
 const MAX_HOLES: u32 = 256;
 
 impl Scene {
+    /// Answers ray queries.
+    #[inline]
+    pub(crate) fn accel(&self) -> &Accel {
+        &self.accel
+    }
+
+    /// Whether any surface has holes.
+    #[inline]
+    pub(crate) fn has_holes(&self) -> bool {
+        self.has_holes
+    }
+
+    /// The form of a shape that does nothing but reflect diffusely, and how.
+    #[inline]
+    pub(crate) fn diffuse(&self, shape: u32) -> Option<(&Form, &Diffuse)> {
+        let shape = &self.shapes[shape as usize];
+        Some((&shape.form, shape.diffuse.as_ref()?))
+    }
+
+    /// What a textured diffuse triangle reflects on one of its sides.
+    pub(crate) fn diffuse_reflectance(&self, diffuse: &Diffuse, hit: &Hit, front: bool) -> Spectrum {
+        let Form::Mesh(mesh) = self.form(hit.geometry) else { return Spectrum::ZERO };
+        let uv = mesh.surface_coordinates(hit.primitive, hit.u, hit.v);
+        self.textures.eval(diffuse.reflectance[usize::from(!front)], uv)
+    }
+
+    /// A triangle of a light, see [`AreaLight::pick_triangle`]; `None` for other lights.
+    #[inline]
+    pub(crate) fn pick_triangle(&self, light: u32, u: f32) -> Option<TrianglePick<'_>> {
+        match &self.lights[light as usize] {
+            Light::Area(light) => light.pick_triangle(u, &self.shapes[light.shape as usize].form),
+            _ => None,
+        }
+    }
+
     /// The form of a shape.
     #[inline]
     pub fn form(&self, shape: u32) -> &Form {
@@ -116,8 +155,20 @@ impl Scene {
     ) -> Option<SurfacePoint> {
         counts.closest += 1;
         let hit = self.accel.closest(ray)?;
+        self.point(ray, &hit, counts, u)
+    }
+
+    /// The surface point of the first hit of a ray, or one behind it where it is a hole; see [`Scene::intersect`].
+    #[inline]
+    pub(crate) fn point(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        counts: &mut RayCounts,
+        u: impl FnMut() -> f32,
+    ) -> Option<SurfacePoint> {
         let shape = &self.shapes[hit.geometry as usize];
-        let point = shape.form.hit_point(ray, &hit);
+        let point = shape.form.hit_point(ray, hit);
         if shape.has_holes {
             return self.intersect_behind_holes(ray, point, hit.t, counts, u);
         }

@@ -1,6 +1,7 @@
 //! Materials: from a point on a surface to the [`Bsdf`] there.
 
 mod compile;
+mod diffuse;
 mod scatterer;
 mod tangents;
 
@@ -9,13 +10,14 @@ use lichtweg_ray::math::{Vec2, Vec3};
 use super::description::{Diagnostics, MaterialDescription};
 use super::surface::{Form, SurfacePoint};
 use crate::bsdf::{
-    Bsdf, Diffuse, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric, RoughPlastic,
+    Bsdf, Diffuse as DiffuseBsdf, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric, RoughPlastic,
     RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
 };
 use crate::color::Spectrum;
 use crate::texture::{Input, TextureArena};
 
 use compile::Compiler;
+pub(crate) use diffuse::Diffuse;
 pub use scatterer::Scatterer;
 use tangents::Tangents;
 
@@ -103,6 +105,18 @@ impl MaterialArena {
     /// Whether what a material scatters depends on the surface coordinates or their directions.
     pub fn uses_coordinates(&self, material: u32) -> bool {
         self.traits[material as usize].uses_coordinates
+    }
+
+    /// How a material reflects that does nothing but reflect diffusely.
+    pub(crate) fn diffuse(&self, material: u32) -> Option<Diffuse> {
+        let of = |id: u32| match self.materials[id as usize] {
+            Material::Diffuse { reflectance } => Some(reflectance),
+            _ => None,
+        };
+        match self.materials[material as usize] {
+            Material::TwoSided { front, back } => Some(Diffuse::new([of(front)?, of(back)?], true)),
+            _ => of(material).map(|reflectance| Diffuse::new([reflectance; 2], false)),
+        }
     }
 
     fn traits_of(&self, material: &Material) -> Traits {
@@ -241,7 +255,7 @@ impl Material {
     fn bsdf(&self, uv: Vec2, textures: &TextureArena) -> Bsdf<'_> {
         let color = |input: &Input| textures.eval(*input, uv);
         match self {
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: color(reflectance) }),
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(DiffuseBsdf { reflectance: color(reflectance) }),
             Self::Dielectric { eta, roughness, reflectance, transmittance } => {
                 let (eta, specular_reflectance, specular_transmittance) =
                     (*eta, color(reflectance), color(transmittance));
