@@ -98,7 +98,7 @@ pub enum BuildError {
 /// An immutable structure over a list of geometries; queries may run from any number of threads.
 #[derive(Debug)]
 pub struct Accel {
-    geometries: Vec<Geometry>,
+    pub(crate) geometries: Vec<Geometry>,
     /// One a geometry.
     pub(crate) kinds: Vec<Kind>,
     /// What leaves of other primitives refer to.
@@ -109,7 +109,7 @@ pub struct Accel {
     masks: Vec<u32>,
     /// The bits that all masks have.
     common_mask: u32,
-    bounds: Bounds3,
+    pub(crate) bounds: Bounds3,
     report: BuildReport,
 }
 

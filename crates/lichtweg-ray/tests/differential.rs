@@ -1,7 +1,9 @@
 //! The hierarchy against every primitive in turn, over random soups.
 
 use lichtweg_ray::math::{Affine, Vec3};
-use lichtweg_ray::{Accel, BuildOptions, Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
+use lichtweg_ray::{
+    Accel, BuildOptions, BuildQuality, Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh,
+};
 use proptest::prelude::*;
 
 fn build(geometries: Vec<Geometry>) -> Accel {
@@ -94,10 +96,12 @@ fn scene(range: f32) -> impl Strategy<Value = (Vec<Geometry>, Vec<Ray>)> {
 
 fn check((geometries, rays): (Vec<Geometry>, Vec<Ray>)) -> Result<(), TestCaseError> {
     let accel = build(geometries.clone());
+    let fast = Accel::build(geometries.clone(), BuildQuality::Fast.into()).expect("a sound scene");
     let reference = OneByOne::new(&geometries);
     for ray in rays {
         let hit = accel.closest(&ray);
         prop_assert_eq!(hit, reference.closest(&ray), "{:?}", ray);
+        prop_assert_eq!(hit, fast.closest(&ray), "{:?}", ray);
         prop_assert_eq!(accel.occluded(&ray), hit.is_some(), "{:?}", ray);
         if let Some(hit) = hit {
             let beyond = ray.between(hit.t, ray.tfar);

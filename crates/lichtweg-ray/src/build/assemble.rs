@@ -5,8 +5,10 @@ use std::mem::MaybeUninit;
 
 use rayon::prelude::*;
 
+use super::binning::Extent;
 use super::primitive::Census;
-use super::tree::{Built, Effort, Part, TreeBuilder};
+use super::spatial::Knife;
+use super::tree::{Built, Part, TreeBuilder};
 use crate::accel::{BuildError, BuildQuality};
 use crate::bvh::{Block, Bvh, ChildRef, Node, Numbering};
 use crate::geometry::Geometry;
@@ -25,37 +27,32 @@ pub(crate) fn build(
     let root = if primitives.is_empty() {
         ChildRef::NOTHING
     } else {
-        let (effort, room) = effort(quality, count);
-        primitives.resize(count + room, primitives[0]);
-        let (numbering, mixed) = (&census.numbering, !census.items.is_empty());
-        let mut builder = TreeBuilder { geometries, numbering, mixed, effort, overlap: 0.0, largest: 0.0 };
-        let built = builder.build(primitives, count);
+        let (bins, room) = match quality {
+            BuildQuality::Fast => (16, 0.0),
+            BuildQuality::High => (32, ROOM),
+        };
+        let extent = Extent::of(primitives);
+        primitives.resize(count + (count as f32 * room) as usize, primitives[0]);
+        let builder = TreeBuilder {
+            geometries,
+            numbering: &census.numbering,
+            mixed: !census.items.is_empty(),
+            bins,
+            knife: Knife::new(geometries, &extent),
+        };
+        let built = builder.build(primitives, count, extent);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)
     };
     if plan.end.blocks.max(plan.end.others) >= ChildRef::MAX_INDEX {
         return Err(BuildError::TooLarge { primitives: count });
     }
-    let b = census.bounds;
-    let reach = if b.is_empty() { 0.0 } else { b.min.abs().max(b.max.abs()).max_element() };
     let numbering = std::mem::take(&mut census.numbering);
-    Ok(plan.assemble(root, numbering, reach))
+    Ok(plan.assemble(root, numbering, census.bounds.reach()))
 }
 
-/// What a quality means, and how many references splits through triangles may add.
-fn effort(quality: BuildQuality, count: usize) -> (Effort, usize) {
-    match quality {
-        BuildQuality::Fast => (Effort { bins: 16, grain: WIDTH, overlap: f32::INFINITY, bias: 1.0 }, 0),
-        BuildQuality::High => {
-            let e = |n: &str, d: f32| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-            let room = e("ROOM", 0.2);
-            (
-                Effort { bins: 32, grain: e("GRAIN", 4.0) as usize, bias: e("BIAS", 1.0), overlap: e("OVERLAP", 1e-5) },
-                (count as f32 * room) as usize,
-            )
-        }
-    }
-}
+/// Splits through triangles add at most this share to the references.
+const ROOM: f32 = 0.2;
 
 fn upper_nodes(built: &Built) -> usize {
     match built {

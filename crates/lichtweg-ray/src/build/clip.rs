@@ -6,7 +6,7 @@
 //! at most 5 * 2^-24 of the triangle's extent and half a unit in the last place.
 
 use super::primitive::Primitive;
-use crate::geometry::Geometry;
+use crate::math::Vec3;
 use crate::simd::{Quad, QuadBox};
 
 /// A triangle that can be cut.
@@ -21,11 +21,11 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    /// What a reference stands for, if that can be cut.
+    /// The part of a triangle that a reference stands for, unless the box of the triangle has more than
+    /// `largest` half area.
     #[inline(always)]
-    pub(crate) fn of(geometries: &[Geometry], reference: &Primitive, largest: f32) -> Option<Self> {
-        let Geometry::Triangles(mesh) = &geometries[reference.geometry() as usize] else { return None };
-        let coordinates = mesh.corners(reference.primitive()).map(|c| [c.x, c.y, c.z, 0.0]);
+    pub(crate) fn of(corners: [Vec3; 3], reference: &Primitive, largest: f32) -> Option<Self> {
+        let coordinates = corners.map(|c| [c.x, c.y, c.z, 0.0]);
         let corners = coordinates.map(|[x, y, z, _]| Quad::new(x, y, z, 0.0));
         let lo = corners[0].min(corners[1]).min(corners[2]);
         let hi = corners[0].max(corners[1]).max(corners[2]);

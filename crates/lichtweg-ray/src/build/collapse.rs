@@ -14,8 +14,7 @@ use crate::geometry::Geometry;
 use crate::simd::{QuadBox, WIDTH};
 
 /// Cost of visiting a node, in units of testing a block.
-pub(crate) static NC: std::sync::LazyLock<f32> =
-    std::sync::LazyLock::new(|| std::env::var("NC").ok().and_then(|v| v.parse().ok()).unwrap_or(0.5));
+const NODE_COST: f32 = 0.5;
 
 /// A subtree of the binary tree: the left child follows its parent.
 pub(crate) struct BinaryNode {
@@ -82,7 +81,7 @@ fn cheapest(node: &BinaryNode, left: &[f32; WIDTH - 1], right: &[f32; WIDTH - 1]
     };
     let (cost, share) = divided(WIDTH - 1);
     best.left[WIDTH - 1] = share;
-    let inner = cost + *NC * node.bounds.half_area();
+    let inner = cost + NODE_COST * node.bounds.half_area();
     let leaf = leaf_cost(node);
     best.is_leaf = leaf <= inner;
     best.cost[0] = leaf.min(inner);

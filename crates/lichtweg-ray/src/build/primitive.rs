@@ -169,18 +169,26 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
                 vertices: mesh.positions.len(),
             })?;
         }
-        if !corners.iter().all(|c| c.is_finite() && c.abs().max_element() <= MAX_COORDINATE) {
+        if !is_in_range(corners) {
             chunk.dropped_non_finite += 1;
         } else if has_no_area(corners) {
             chunk.dropped_degenerate += 1;
         } else {
-            let exact = Bounds3::of(corners);
-            chunk.bounds = chunk.bounds.union(exact);
-            let (lo, hi) = padded(exact);
-            chunk.primitives.push(Primitive::new(lo, hi, geometry, primitive));
+            chunk.bounds = chunk.bounds.union(Bounds3::of(corners));
+            let Bounds3 { min, max } = padded_box(corners);
+            chunk.primitives.push(Primitive::new(min, max, geometry, primitive));
         }
     }
     Ok(chunk)
+}
+
+/// Whether a triangle can be hit: its corners are in range and it has an area.
+pub(crate) fn is_sound(corners: [Vec3; 3]) -> bool {
+    is_in_range(corners) && !has_no_area(corners)
+}
+
+fn is_in_range(corners: [Vec3; 3]) -> bool {
+    corners.iter().all(|c| c.is_finite() && c.abs().max_element() <= MAX_COORDINATE)
 }
 
 /// Whether the corners lie on a line, as far as `f64` can tell.
@@ -192,8 +200,10 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
 }
 
-fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> (Vec3, Vec3) {
+/// The box of a triangle, as wide as queries need it.
+pub(crate) fn padded_box(corners: [Vec3; 3]) -> Bounds3 {
+    let Bounds3 { min: lo, max: hi } = Bounds3::of(corners);
     let margin = (hi - lo).max_element() * (3.0 * 2.0_f32.powi(-23));
     let outwards = |p: Vec3| p.abs() * (0.51 * f32::EPSILON) + Vec3::splat(margin);
-    (lo - outwards(lo), hi + outwards(hi))
+    Bounds3 { min: lo - outwards(lo), max: hi + outwards(hi) }
 }

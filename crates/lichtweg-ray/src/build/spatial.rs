@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::binning::{Extent, blocks};
+use super::binning::{Extent, Split, blocks};
 use super::clip::Piece;
 use super::primitive::Primitive;
 use crate::geometry::Geometry;
@@ -15,6 +15,12 @@ use crate::simd::{Quad, QuadBox};
 const BINS: usize = 16;
 /// References of one task of a parallel pass.
 const CHUNK: usize = 1 << 13;
+
+/// Overlap of two halves from which on it is tried to cut, as a share of the scene's area.
+const OVERLAP: f32 = 1e-5;
+/// Triangles with larger boxes stay whole, as a share of the scene's area: a floor is best met once, near the
+/// root, and not a piece of it in every subtree above it.
+const LARGEST: f32 = 0.1;
 
 /// A plane that cuts what straddles it.
 #[derive(Clone, Copy)]
@@ -78,19 +84,19 @@ impl Histogram {
         Self { bounds: [[QuadBox::empty(); 3]; BINS], begins: [[0; 3]; BINS], ends: [[0; 3]; BINS] }
     }
 
-    fn of(geometries: &[Geometry], references: &[Primitive], slabs: &Slabs, largest: f32) -> Self {
+    fn of(knife: &Knife, references: &[Primitive], slabs: &Slabs) -> Self {
         let mut out = Self::new();
         for reference in references {
-            out.add(geometries, reference, slabs, largest);
+            out.add(knife, reference, slabs);
         }
         out
     }
 
     #[inline(always)]
-    fn add(&mut self, geometries: &[Geometry], reference: &Primitive, slabs: &Slabs, largest: f32) {
+    fn add(&mut self, knife: &Knife, reference: &Primitive, slabs: &Slabs) {
         let first = slabs.bins_of(reference.bounds().lo);
         let last = slabs.bins_of(reference.bounds().hi);
-        let piece = if first == last { None } else { Piece::of(geometries, reference, largest) };
+        let piece = if first == last { None } else { knife.piece(reference) };
         for axis in 0..3 {
             let (mut from, mut to) = (first[axis], last[axis]);
             if let Some(piece) = piece.as_ref().filter(|_| from != to) {
@@ -122,27 +128,6 @@ impl Histogram {
         }
         self
     }
-}
-
-/// The cheapest plane that leaves less on either side than there is.
-pub(crate) fn find_spatial_split(
-    geometries: &[Geometry],
-    references: &[Primitive],
-    extent: &Extent,
-    block: u32,
-    largest: f32,
-) -> Option<SpatialSplit> {
-    let slabs = Slabs::new(&extent.bounds);
-    let histogram = if references.len() <= CHUNK {
-        Histogram::of(geometries, references, &slabs, largest)
-    } else {
-        references
-            .par_chunks(CHUNK)
-            .map(|part| Box::new(Histogram::of(geometries, part, &slabs, largest)))
-            .reduce_with(|a, b| Box::new(a.merged(&b)))
-            .map_or_else(Histogram::new, |h| *h)
-    };
-    sweep(&histogram, &slabs, references.len(), block)
 }
 
 fn sweep(histogram: &Histogram, slabs: &Slabs, total: usize, block: u32) -> Option<SpatialSplit> {
@@ -183,28 +168,80 @@ pub(crate) struct Sides {
     pub right: Extent,
 }
 
-/// Cuts the references. Of what lies on one side only, or cannot be cut, nothing is duplicated.
-pub(crate) fn cut(geometries: &[Geometry], references: &[Primitive], split: &SpatialSplit, largest: f32) -> Sides {
-    let &SpatialSplit { axis, position, duplicates, .. } = split;
-    let mut left = Vec::with_capacity(references.len() + duplicates);
-    let mut right = Vec::with_capacity(references.len());
-    for reference in references {
-        let (lo, hi) = (reference.bounds().lo.to_array()[axis], reference.bounds().hi.to_array()[axis]);
-        if hi <= position {
-            left.push(*reference);
-        } else if lo >= position {
-            right.push(*reference);
-        } else if let Some(piece) = Piece::of(geometries, reference, largest) {
-            left.extend(piece.cut(piece.between(axis, f32::NEG_INFINITY, position)));
-            right.extend(piece.cut(piece.between(axis, position, f32::INFINITY)));
-        } else if lo + hi <= 2.0 * position {
-            left.push(*reference);
-        } else {
-            right.push(*reference);
+/// Cuts triangles.
+pub(crate) struct Knife<'a> {
+    geometries: &'a [Geometry],
+    /// Overlap from which on it is tried to cut.
+    overlap: f32,
+    /// Half area of the largest boxes of triangles that are cut.
+    largest: f32,
+}
+
+impl<'a> Knife<'a> {
+    pub(crate) fn new(geometries: &'a [Geometry], scene: &Extent) -> Self {
+        let area = scene.bounds.half_area();
+        Self { geometries, overlap: OVERLAP * area, largest: LARGEST * area }
+    }
+
+    /// Whether it is likely enough that another split is cheaper than this one.
+    pub(crate) fn may_pay(&self, split: &Split) -> bool {
+        split.overlap > self.overlap
+    }
+
+    /// What can be cut.
+    #[inline(always)]
+    fn piece(&self, reference: &Primitive) -> Option<Piece> {
+        match &self.geometries[reference.geometry() as usize] {
+            Geometry::Triangles(mesh) => {
+                Piece::of(mesh.corners(reference.primitive()), reference, self.largest)
+            }
+            _ => None,
         }
     }
-    let middle = left.len();
-    let (a, b) = (Extent::of(&left), Extent::of(&right));
-    left.extend_from_slice(&right);
-    Sides { references: left, middle, left: a, right: b }
+
+    /// The cheapest plane that leaves less on either side than there is.
+    pub(crate) fn find_split(
+        &self,
+        references: &[Primitive],
+        extent: &Extent,
+        block: u32,
+    ) -> Option<SpatialSplit> {
+        let slabs = Slabs::new(&extent.bounds);
+        let histogram = if references.len() <= CHUNK {
+            Histogram::of(self, references, &slabs)
+        } else {
+            references
+                .par_chunks(CHUNK)
+                .map(|part| Box::new(Histogram::of(self, part, &slabs)))
+                .reduce_with(|a, b| Box::new(a.merged(&b)))
+                .map_or_else(Histogram::new, |h| *h)
+        };
+        sweep(&histogram, &slabs, references.len(), block)
+    }
+
+    /// Cuts the references. Of what lies on one side only, or cannot be cut, nothing is duplicated.
+    pub(crate) fn cut(&self, references: &[Primitive], split: &SpatialSplit) -> Sides {
+        let &SpatialSplit { axis, position, duplicates, .. } = split;
+        let mut left = Vec::with_capacity(references.len() + duplicates);
+        let mut right = Vec::with_capacity(references.len());
+        for reference in references {
+            let (lo, hi) = (reference.bounds().lo.to_array()[axis], reference.bounds().hi.to_array()[axis]);
+            if hi <= position {
+                left.push(*reference);
+            } else if lo >= position {
+                right.push(*reference);
+            } else if let Some(piece) = self.piece(reference) {
+                left.extend(piece.cut(piece.between(axis, f32::NEG_INFINITY, position)));
+                right.extend(piece.cut(piece.between(axis, position, f32::INFINITY)));
+            } else if lo + hi <= 2.0 * position {
+                left.push(*reference);
+            } else {
+                right.push(*reference);
+            }
+        }
+        let middle = left.len();
+        let (a, b) = (Extent::of(&left), Extent::of(&right));
+        left.extend_from_slice(&right);
+        Sides { references: left, middle, left: a, right: b }
+    }
 }

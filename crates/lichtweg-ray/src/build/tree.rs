@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::binning::{Extent, Split, find_split, partition};
 use super::collapse::{Binary, BinaryNode, collapse};
 use super::primitive::Primitive;
-use super::spatial::{SpatialSplit, cut, find_spatial_split};
+use super::spatial::{Knife, SpatialSplit};
 use crate::bvh::{Block, ChildRef, MAX_DEPTH, Node, Numbering};
 use crate::geometry::Geometry;
 use crate::math::Bounds3;
@@ -32,18 +32,6 @@ pub(crate) struct Part {
 pub(crate) enum Built {
     Part { part: Part, root: ChildRef },
     Node(Vec<(Bounds3, Built)>),
-}
-
-/// How much work to put into a tree.
-#[derive(Clone, Copy)]
-pub(crate) struct Effort {
-    /// Bins an axis for splits between references.
-    pub bins: usize,
-    /// Ranges of triangles up to this are not split.
-    pub grain: usize,
-    /// Overlap of two halves from which on splits through triangles are tried, as a share of the root's area.
-    pub overlap: f32,
-    pub bias: f32,
 }
 
 /// References that are to become a subtree, and room for more of them.
@@ -82,18 +70,15 @@ pub(crate) struct TreeBuilder<'a> {
     pub numbering: &'a Numbering,
     /// Whether there are primitives other than triangles.
     pub mixed: bool,
-    pub effort: Effort,
-    /// Overlap of two halves from which on splits through triangles are tried.
-    pub overlap: f32,
-    pub largest: f32,
+    /// Bins an axis for splits between references, at most.
+    pub bins: usize,
+    /// Cuts triangles, as far as there is room for their pieces.
+    pub knife: Knife<'a>,
 }
 
 impl TreeBuilder<'_> {
-    /// Builds a tree of the first `count` references; the other slots are room for more.
-    pub(crate) fn build(&mut self, slots: &mut [Primitive], count: usize) -> Built {
-        let extent = Extent::of(&slots[..count]);
-        self.overlap = self.effort.overlap * extent.bounds.half_area();
-        self.largest = std::env::var("LARGE").ok().and_then(|v| v.parse().ok()).unwrap_or(0.1) * extent.bounds.half_area();
+    /// Builds a tree of the first `count` references; the other slots are room for pieces.
+    pub(crate) fn build(&self, slots: &mut [Primitive], count: usize, extent: Extent) -> Built {
         self.subtree(Range { slots, count, extent }, 0)
     }
 
@@ -114,15 +99,15 @@ impl TreeBuilder<'_> {
     }
 
     /// A binary subtree; returns the number of others in it.
-    fn grow(&self, mut range: Range, depth: usize, out: &mut Binary) -> u32 {
+    fn grow(&self, range: Range, depth: usize, out: &mut Binary) -> u32 {
         let index = out.nodes.len();
         let (first, bounds) = (out.names.len() as u32, range.extent.bounds);
         out.nodes.push(BinaryNode { bounds, right: 0, first, count: 0, others: 0 });
         let (mut right, mut others) = (0, 0);
-        match self.plan(&mut range, depth) {
+        match self.plan(&range, depth) {
             None => {
                 out.names.extend(range.references().iter().map(|p| (p.geometry(), p.primitive())));
-                others = range.references().iter().filter(|p| self.is_other(p)).count() as u32;
+                others = self.others(range.references()) as u32;
             }
             Some(plan) => {
                 let (a, b) = self.divide(range, plan);
@@ -147,8 +132,8 @@ impl TreeBuilder<'_> {
                 .filter(|&i| children[i].count > TASK / 2)
                 .max_by(|&a, &b| weight(&children[a]).total_cmp(&weight(&children[b])));
             let Some(candidate) = candidate else { break };
-            let mut range = children.swap_remove(candidate);
-            let plan = self.plan(&mut range, depth).unwrap_or(Plan::Halve);
+            let range = children.swap_remove(candidate);
+            let plan = self.plan(&range, depth).unwrap_or(Plan::Halve);
             let (left, right) = self.divide(range, plan);
             children.extend([left, right]);
         }
@@ -158,31 +143,27 @@ impl TreeBuilder<'_> {
     }
 
     /// How to split a range, or not at all.
-    fn plan(&self, range: &mut Range, depth: usize) -> Option<Plan> {
+    fn plan(&self, range: &Range, depth: usize) -> Option<Plan> {
         let count = range.count;
         let is_small = count <= WIDTH;
-        let others = if self.mixed && is_small {
-            range.references().iter().filter(|p| self.is_other(p)).count()
-        } else {
-            0
-        };
+        let others = if is_small { self.others(range.references()) } else { 0 };
         if others != 0 && others != count {
             return Some(Plan::Kinds);
         }
-        if count == 1 || others == 0 && count <= self.effort.grain {
+        if count == 1 || is_small && others == 0 {
             return None;
         }
         if depth >= HALVING_DEPTH {
             return Some(Plan::Halve);
         }
         let block = if others == 0 { WIDTH as u32 } else { 1 };
-        let Some(split) = find_split(range.references(), &range.extent, block, self.effort.bins) else {
-            return (others != 0 || !is_small).then_some(Plan::Halve);
+        let Some(split) = find_split(range.references(), &range.extent, block, self.bins) else {
+            return Some(Plan::Halve);
         };
         let room = range.slots.len() - count;
-        if room > 0 && split.overlap > self.overlap {
-            let spatial = find_spatial_split(self.geometries, range.references(), &range.extent, block, self.largest);
-            if let Some(spatial) = spatial.filter(|s| s.cost < self.effort.bias * split.cost && s.duplicates <= room) {
+        if room > 0 && self.knife.may_pay(&split) {
+            let spatial = self.knife.find_split(range.references(), &range.extent, block);
+            if let Some(spatial) = spatial.filter(|s| s.cost < split.cost && s.duplicates <= room) {
                 return Some(Plan::Cut(spatial, split));
             }
         }
@@ -193,7 +174,7 @@ impl TreeBuilder<'_> {
         let split = match plan {
             Plan::Split(split) => split,
             Plan::Cut(spatial, split) => {
-                let sides = cut(self.geometries, range.references(), &spatial, self.largest);
+                let sides = self.knife.cut(range.references(), &spatial);
                 let count = sides.references.len();
                 // Rounding may make more of it than foreseen.
                 if sides.middle == 0 || sides.middle == count || count > range.slots.len() {
@@ -218,8 +199,13 @@ impl TreeBuilder<'_> {
         range.split_at(middle, left, right)
     }
 
+    /// How many of the references are no triangles.
+    fn others(&self, references: &[Primitive]) -> usize {
+        if self.mixed { references.iter().filter(|p| self.is_other(p)).count() } else { 0 }
+    }
+
     fn is_other(&self, p: &Primitive) -> bool {
-        self.mixed && !matches!(self.geometries[p.geometry() as usize], Geometry::Triangles(_))
+        !matches!(self.geometries[p.geometry() as usize], Geometry::Triangles(_))
     }
 }
 

@@ -100,6 +100,13 @@ impl Node {
         unused: [0; WIDTH],
     };
 
+    /// The box around all children.
+    pub(crate) fn bounds(&self) -> Bounds3 {
+        let least = |row: usize| self.planes[row].into_iter().fold(f32::INFINITY, f32::min);
+        let most = |row: usize| self.planes[row].into_iter().fold(f32::NEG_INFINITY, f32::max);
+        Bounds3 { min: Vec3::new(least(0), least(2), least(4)), max: Vec3::new(most(1), most(3), most(5)) }
+    }
+
     pub(crate) fn set(&mut self, slot: usize, bounds: &Bounds3, child: ChildRef) {
         for axis in 0..3 {
             self.planes[2 * axis][slot] = bounds.min[axis];
@@ -120,7 +127,9 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], ids: [u32::MAX; WIDTH] };
+    /// What unused lanes hold instead of a running number.
+    pub(crate) const NO_ID: u32 = u32::MAX;
+    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], ids: [Self::NO_ID; WIDTH] };
 
     pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3], id: u32) {
         for (to, from) in self.corners.iter_mut().zip(corners) {

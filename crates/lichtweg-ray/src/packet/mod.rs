@@ -39,7 +39,14 @@ impl Default for RayPacket {
     /// Rays that hit nothing.
     fn default() -> Self {
         let zero = Lanes::splat(0.0);
-        Self { origin: [zero; 3], direction: [zero; 3], tnear: zero, tfar: zero, time: zero, mask: Lanes::splat(u32::MAX) }
+        Self {
+            origin: [zero; 3],
+            direction: [zero; 3],
+            tnear: zero,
+            tfar: zero,
+            time: zero,
+            mask: Lanes::splat(u32::MAX),
+        }
     }
 }
 

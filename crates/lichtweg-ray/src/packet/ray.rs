@@ -75,8 +75,7 @@ impl<W: Wide> Prepared<W> {
         for axis in 0..3 {
             sound = sound & o[axis].abs().le(splat(MAX_COORDINATE)) & size[axis].le(splat(f32::MAX));
         }
-        let sound =
-            sound & tnear.lt(tfar) & given_near.le(given_far) & splat(f32::MIN_POSITIVE).le(steepest);
+        let sound = sound & tnear.lt(tfar) & given_near.le(given_far) & splat(f32::MIN_POSITIVE).le(steepest);
 
         let zy_over_x = size[0].lt(size[1]);
         let z_over = size[0].max(size[1]).lt(size[2]);
@@ -180,7 +179,8 @@ impl<W: Wide> Prepared<W> {
     /// The shear of one lane, for the slow test.
     #[inline(always)]
     pub(super) fn shear(&self, lane: usize) -> Shear {
-        let one = |v: &[W::F32; 3]| [v[0].to_lanes().0[lane], v[1].to_lanes().0[lane], v[2].to_lanes().0[lane]];
+        let one =
+            |v: &[W::F32; 3]| [v[0].to_lanes().0[lane], v[1].to_lanes().0[lane], v[2].to_lanes().0[lane]];
         let axes = match (self.steep[0].bits() >> lane & 1, self.steep[1].bits() >> lane & 1) {
             (1, _) => [1, 2, 0],
             (_, 1) => [2, 0, 1],
@@ -208,7 +208,11 @@ pub(super) fn corners(block: &crate::bvh::Block, lane: usize) -> [[f32; 3]; 3] {
 }
 
 /// The slow test of one ray against one triangle; see [`crate::triangle`].
-pub(super) fn settle(shear: &Shear, corners: [[f32; 3]; 3], tfar: f32) -> Option<crate::triangle::TriangleHit> {
+pub(super) fn settle(
+    shear: &Shear,
+    corners: [[f32; 3]; 3],
+    tfar: f32,
+) -> Option<crate::triangle::TriangleHit> {
     let h = crate::triangle::triangle(shear, corners.map(Vec3::from_array))?;
     (h.t > shear.tnear && h.t <= tfar).then_some(h)
 }

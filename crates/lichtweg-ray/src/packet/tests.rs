@@ -6,7 +6,9 @@ use crate::simd::Isa;
 use crate::{Accel, BuildOptions, Hit, Ray};
 
 fn bits(hit: Option<Hit>) -> Option<[u32; 7]> {
-    hit.map(|h| [h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.geometry, h.primitive, h.instances[0], h.instances[1]])
+    hit.map(|h| {
+        [h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.geometry, h.primitive, h.instances[0], h.instances[1]]
+    })
 }
 
 fn check(accel: &mut Accel, rays: &[Ray]) {
@@ -39,7 +41,8 @@ fn coherent_rays_agree() {
     let mut random = Random(23);
     let mut accel = Accel::build(scene(&mut random, 3000), BuildOptions::default()).unwrap();
     for eye in [Vec3::new(0.0, 0.0, 3.0), Vec3::new(3.0, 0.1, 0.0), Vec3::new(-0.5, -3.0, 0.25)] {
-        let towards = |i: usize| Vec3::new((i % 100) as f32 / 50.0 - 1.0, (i / 100) as f32 / 50.0 - 1.0, 0.0) - eye;
+        let towards =
+            |i: usize| Vec3::new((i % 100) as f32 / 50.0 - 1.0, (i / 100) as f32 / 50.0 - 1.0, 0.0) - eye;
         let rays: Vec<Ray> = (0..10_000).map(|i| Ray::new(eye, towards(i))).collect();
         check(&mut accel, &rays);
     }

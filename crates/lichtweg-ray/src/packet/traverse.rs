@@ -7,9 +7,9 @@ use super::{HitPacket, RayPacket};
 use crate::accel::Accel;
 use crate::bvh::{Best, ChildRef, MAX_DEPTH, Other, descend, slab};
 use crate::kind::Probe;
-use crate::simd::{Isa, Lanes as NarrowLanes, Portable, WIDTH};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
+use crate::simd::{Isa, Lanes as NarrowLanes, Portable, WIDTH};
 use crate::triangle::WideShear;
 use crate::wide::{self, Float, LANES, Mask, Wide, Word};
 
@@ -77,7 +77,15 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
         let nothing = W::U32::splat(Best::NOTHING);
         let zero = W::F32::splat(0.0);
         let bests = Bests { t: prepared.tfar, u: zero, v: zero, id: nothing };
-        Self { accel, rays, prepared, bests, others: [Other::NONE; LANES], found: 0, _narrow: std::marker::PhantomData }
+        Self {
+            accel,
+            rays,
+            prepared,
+            bests,
+            others: [Other::NONE; LANES],
+            found: 0,
+            _narrow: std::marker::PhantomData,
+        }
     }
 
     #[inline(always)]
@@ -138,8 +146,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
                 top -= 1;
                 // SAFETY: entries below the top were written.
                 let entry = unsafe { stack[top].assume_init_ref() };
-                mask = entry.mask
-                    & if ANY { !self.found } else { entry.enter.le(self.bests.t).bits() };
+                mask = entry.mask & if ANY { !self.found } else { entry.enter.le(self.bests.t).bits() };
                 if mask != 0 {
                     current = entry.child;
                     break;
@@ -176,8 +183,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
                 if ANY {
                     self.found |= sure.bits();
                 } else {
-                    let nearer =
-                        sure & (hits.t.lt(self.bests.t) | W::U32::splat(id).lt(self.bests.id));
+                    let nearer = sure & (hits.t.lt(self.bests.t) | W::U32::splat(id).lt(self.bests.id));
                     self.bests.t = hits.t.select(nearer, self.bests.t);
                     self.bests.u = hits.u.select(nearer, self.bests.u);
                     self.bests.v = hits.v.select(nearer, self.bests.v);

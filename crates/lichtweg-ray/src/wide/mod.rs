@@ -96,12 +96,7 @@ pub trait Mask:
 
 /// Sixteen `f32`.
 pub trait Float:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// One truth value a lane.
     type Mask: Mask;
