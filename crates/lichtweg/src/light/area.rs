@@ -7,8 +7,8 @@ use std::f32::consts::{PI, TAU};
 
 use lichtweg_montecarlo::{distribution::AliasTable, warp};
 use lichtweg_ray::QuadricShape;
-use lichtweg_ray::wide::Row;
 use lichtweg_ray::math::{Vec2, Vec3};
+use lichtweg_ray::wide::Row;
 
 use super::LightSample;
 use crate::bsdf::Frame;
@@ -135,7 +135,8 @@ impl AreaLight {
 
     /// Radiance (elements 0 to 3), 1 / area (4), and 1 where both sides emit (5); `None` where that does not say it all.
     pub(crate) fn emission_row(&self, has_holes: bool) -> Option<Row> {
-        let (EmissionSampling::Triangles { area, .. }, Input::Constant(radiance)) = (&self.sampling, self.radiance)
+        let (EmissionSampling::Triangles { area, .. }, Input::Constant(radiance)) =
+            (&self.sampling, self.radiance)
         else {
             return None;
         };

@@ -171,8 +171,7 @@ impl PathTracer {
         let hidden = depth == 1 && self.hide_emitters;
         let Some(point) = point else {
             if !hidden {
-                arrival.emitted =
-                    walk.throughput * self.escaped(scene, walk.ray.direction, &walk.departure);
+                arrival.emitted = walk.throughput * self.escaped(scene, walk.ray.direction, &walk.departure);
             }
             return arrival;
         };
@@ -184,7 +183,13 @@ impl PathTracer {
             return arrival;
         }
         let scatterer = scene.scatterer(point, wo);
-        observer.scatters(path, depth, point, &scatterer, (point.position - walk.departure.position).length());
+        observer.scatters(
+            path,
+            depth,
+            point,
+            &scatterer,
+            (point.position - walk.departure.position).length(),
+        );
         let connects = self.light != LightStrategy::Naive && scatterer.bsdf.connects();
         if connects {
             let vertex = Vertex { point, wo, scatterer: &scatterer, time: walk.ray.time };
@@ -197,19 +202,16 @@ impl PathTracer {
             return arrival;
         }
         walk.eta *= sample.eta;
-        let survival = self
-            .roulette
-            .survival_probability(depth, walk.throughput.max_element() * walk.eta * walk.eta);
+        let survival =
+            self.roulette.survival_probability(depth, walk.throughput.max_element() * walk.eta * walk.eta);
         if survival < 1.0 {
             if walk.sampler.next_1d() >= survival {
                 return arrival;
             }
             walk.throughput *= 1.0 / survival;
         }
-        walk.departure = Departure {
-            position: point.position,
-            pdf: (connects && !sample.delta).then_some(sample.pdf),
-        };
+        walk.departure =
+            Departure { position: point.position, pdf: (connects && !sample.delta).then_some(sample.pdf) };
         walk.ray = Ray { time: walk.ray.time, ..Ray::new(point.leave(sample.wi), sample.wi) };
         arrival.goes_on = true;
         arrival

@@ -10,8 +10,8 @@ use lichtweg_ray::math::{Vec2, Vec3};
 use super::description::{Diagnostics, MaterialDescription};
 use super::surface::{Form, SurfacePoint};
 use crate::bsdf::{
-    Bsdf, Diffuse as DiffuseBsdf, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric, RoughPlastic,
-    RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
+    Bsdf, Diffuse as DiffuseBsdf, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric,
+    RoughPlastic, RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
 };
 use crate::color::Spectrum;
 use crate::texture::{Input, TextureArena};

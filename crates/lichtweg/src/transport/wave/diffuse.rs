@@ -99,8 +99,7 @@ fn uniform_disk<W: Wide>([u, v]: [W::F32; 2]) -> [W::F32; 2] {
             + y * (splat(-1.0 / 6.0)
                 + y * (splat(1.0 / 120.0) + y * (splat(-1.0 / 5040.0) + y * splat(1.0 / 362_880.0)))));
     let cos = splat(1.0)
-        + y * (splat(-0.5)
-            + y * (splat(1.0 / 24.0) + y * (splat(-1.0 / 720.0) + y * splat(1.0 / 40_320.0))));
+        + y * (splat(-0.5) + y * (splat(1.0 / 24.0) + y * (splat(-1.0 / 720.0) + y * splat(1.0 / 40_320.0))));
     [radius * sin.select(steep, cos), radius * cos.select(steep, sin)]
 }
 
@@ -154,9 +153,8 @@ impl<O: PathObserver> Step<'_, O> {
         let splat = W::F32::splat;
         let facet = Facets::<W::F32>::new(facets);
         let (u, v) = (W::F32::load(&hits.u), W::F32::load(&hits.v));
-        let position = vector::<W>(facet.corner)
-            + vector::<W>(facet.edges[0]) * u
-            + vector::<W>(facet.edges[1]) * v;
+        let position =
+            vector::<W>(facet.corner) + vector::<W>(facet.edges[0]) * u + vector::<W>(facet.edges[1]) * v;
         let geometric_normal = vector::<W>(facet.normal);
         let normal = normals.select(smooth, geometric_normal);
         let wo = -walks.direction;
@@ -170,8 +168,7 @@ impl<O: PathObserver> Step<'_, O> {
             textured |= u32::from(diffuse.is_textured()) << lane;
         }
         let [r, g, b, c, back_r, back_g, back_b, back_c, two_sided, ..] = W::F32::columns(&rows);
-        let mut reflectance =
-            Spectra([r, g, b, c]).select(front, Spectra([back_r, back_g, back_b, back_c]));
+        let mut reflectance = Spectra([r, g, b, c]).select(front, Spectra([back_r, back_g, back_b, back_c]));
         if textured != 0 {
             let [r, g, b, c] = reflectance.0;
             let mut values = [r.to_lanes(), g.to_lanes(), b.to_lanes(), c.to_lanes()];
@@ -242,8 +239,7 @@ impl<O: PathObserver> Step<'_, O> {
                 _ => splat(1.0),
             };
             let contribution = walks.throughput * (scattering * light.radiance * (weight / pdf));
-            let origin =
-                offset::<W>(points.position, points.error, points.geometric_normal, light.direction);
+            let origin = offset::<W>(points.position, points.error, points.geometric_normal, light.direction);
             let connection = ConnectionLanes::<W> {
                 origin,
                 direction: (light.target - origin).select(light.near, light.direction),
@@ -263,9 +259,8 @@ impl<O: PathObserver> Step<'_, O> {
         let mut alive = fast & zero.lt(pdf) & throughput.is_lit();
         if self.depth >= tracer.roulette.start_depth {
             let eta = W::F32::gather(&self.wave.paths.eta, walks.path);
-            let survival = (throughput.max_element() * eta * eta)
-                .max(zero)
-                .min(splat(tracer.roulette.max_survival));
+            let survival =
+                (throughput.max_element() * eta * eta).max(zero).min(splat(tracer.roulette.max_survival));
             let plays = survival.lt(splat(1.0));
             let before = draws.dimension;
             let u = draws.next_1d();
@@ -349,9 +344,8 @@ impl<O: PathObserver> Step<'_, O> {
         let b0 = (half * u).select(upper, u - half * v);
         let b1 = (v - half * u).select(upper, half * v);
         let b2 = (splat(1.0) - b0 - b1).max(zero);
-        let position = vector::<W>(facet.corner)
-            + vector::<W>(facet.edges[0]) * b1
-            + vector::<W>(facet.edges[1]) * b2;
+        let position =
+            vector::<W>(facet.corner) + vector::<W>(facet.edges[0]) * b1 + vector::<W>(facet.edges[1]) * b2;
         let normal = vector::<W>(facet.normal);
         let to_light = position - points.position;
         let distance_squared = to_light.dot(to_light);
