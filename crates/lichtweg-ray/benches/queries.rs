@@ -1,91 +1,229 @@
-//! Millions of rays per second and thread: ours, and Embree's where `EMBREE_LIBRARY` names a libembree4.
+//! Rays against time, build time and memory: ours, and Embree's where `EMBREE_LIBRARY` names a libembree4
+//! (`bench/fetch_embree.py` fetches one).
 //!
-//! `cargo bench -p lichtweg-ray -- [scene substring]`. Both answer the same single-ray queries in the
-//! same process, by turns; the fastest of several turns counts. `EMBREE_QUALITY` (1 medium, 2 high) and
-//! `EMBREE_FLAGS` (4 robust) are handed on.
+//! `cargo bench -p lichtweg-ray -- [--quick] [scene substring]`. Both sides answer the same single-ray
+//! queries on the same triangles in the same process, by turns, with denormals flushed to zero; the fastest
+//! of several turns counts. `STREET_PLY` names the street as a PLY file, `HOUSE_PLY` the folder of the
+//! house's PLY files; without the first a stand-in street is generated, without the second the house is
+//! left out. With `--features count` nodes and triangles touched are counted instead.
 
 mod support;
 
-use std::hint::black_box;
-
-use lichtweg_ray::{Accel, Ray};
-use support::embree::Embree;
+use libloading::Library;
+use lichtweg_ray::math::Vec3;
+use lichtweg_ray::{Accel, BuildQuality};
+use support::embree::{Embree, Mode};
 use support::rays::{self, Rays};
 use support::scenes::{self, Scene};
+use support::timing::{self, Threads, by_turns};
 
-type Maker = fn() -> Scene;
+type Maker = fn() -> Option<Scene>;
 
-const TURNS: usize = 25;
+/// How much to measure.
+#[derive(Clone, Copy)]
+struct Settings {
+    /// Rays across and down the picture.
+    side: u32,
+    turns: usize,
+    builds: usize,
+}
 
 fn main() {
-    let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
-    let number =
-        |name: &str, default: i32| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-    let (quality, flags) = (number("EMBREE_QUALITY", 1), number("EMBREE_FLAGS", 0));
+    timing::flush_denormals();
+    rayon::ThreadPoolBuilder::new()
+        .start_handler(|_| timing::flush_denormals())
+        .build_global()
+        .expect("threads");
+    let arguments: Vec<_> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let wanted = arguments.iter().find(|a| !a.starts_with('-')).cloned().unwrap_or_default();
+    let settings = if arguments.iter().any(|a| a == "--quick") {
+        Settings { side: 300, turns: 7, builds: 1 }
+    } else {
+        Settings { side: 400, turns: 25, builds: 3 }
+    };
     let library = std::env::var("EMBREE_LIBRARY").ok().and_then(|path| Embree::open(&path));
-    let makers: [(&str, Maker); 6] = [
-        ("box room", scenes::box_room),
-        ("box room with balls", scenes::box_room_with_balls),
-        ("small sphere", || scenes::displaced_sphere(40)),
-        ("displaced sphere", || scenes::displaced_sphere(707)),
-        ("hair ball", || scenes::hair_ball(20_000, 25)),
-        ("street", || scenes::street(22)),
+    let makers: [(&str, Maker); 5] = [
+        ("displaced sphere", || Some(scenes::displaced_sphere(707))),
+        ("street", street),
+        ("hair ball", || Some(scenes::hair_ball(20_000, 25))),
+        ("house", house),
+        ("teapot in a stadium", || Some(scenes::stadium::teapot_in_a_stadium(160))),
     ];
+    let mut all = Vec::new();
     for (name, make) in makers {
         if !name.contains(&wanted) {
             continue;
         }
-        let scene = make();
-        let accel = rays::accel(&scene);
-        let comparable = library.filter(|_| scene.balls.is_empty());
-        let embree = comparable.map(|l| Embree::build(l, &scene, quality, flags));
-        let again = rays::accel(&scene).report().seconds.min(accel.report().seconds);
-        let report = accel.report();
-        println!(
-            "{name}: {} triangles, {} nodes, {:.1} MB, built in {again:.3} s{}",
-            report.triangles,
-            report.nodes,
-            report.bytes as f64 / 1e6,
-            embree.as_ref().map_or(String::new(), |e| format!(" (Embree {:.3} s)", e.build_seconds)),
-        );
-        for set in rays::sets(&scene, &accel, 400) {
-            measure(&set, &accel, embree.as_ref());
+        match make() {
+            Some(scene) => compare(&scene, library, settings, &mut all),
+            None => println!("\n{name}: skipped, see the head of this program"),
+        }
+    }
+    summarise(&all);
+}
+
+fn street() -> Option<Scene> {
+    let Ok(path) = std::env::var("STREET_PLY") else {
+        println!("\nSTREET_PLY is not set: a stand-in for the street");
+        return Some(scenes::street(22));
+    };
+    let (eye, target, light) =
+        (Vec3::new(1.5, 5.8, 15.0), Vec3::new(-0.8, 5.8, -30.0), Vec3::new(120.0, 112.0, 68.0));
+    scenes::files::read("street", &path, eye, target, light)
+}
+
+fn house() -> Option<Scene> {
+    let path = std::env::var("HOUSE_PLY").ok()?;
+    let (eye, light) = (Vec3::new(-37.47, -0.61, 32.12), Vec3::new(-40.0, 60.0, 40.0));
+    let scene = scenes::files::read("house", &path, eye, eye + Vec3::new(0.6665, 0.152, -0.7298), light)?;
+    Some(Scene { field: 0.3, ..scene })
+}
+
+/// One ratio of times: theirs over ours.
+struct Ratio {
+    scene: &'static str,
+    occlusion: bool,
+    threads: Threads,
+    robust: bool,
+    ratio: f64,
+}
+
+fn compare(scene: &Scene, library: Option<&'static Library>, settings: Settings, all: &mut Vec<Ratio>) {
+    println!("\n{}: {} triangles", scene.name, scene.indices.len());
+    let accel = builds(scene, library, settings);
+    let sets = rays::sets(scene, &accel, settings.side);
+    if cfg!(feature = "count") {
+        return sets.iter().for_each(|set| count(set, &accel));
+    }
+    let embree = |mode| library.map(|l| Embree::build(l, scene, mode));
+    let (high, robust) = (embree(Mode::High), embree(Mode::Robust));
+    println!("  Mrays/s               ours      Embree high       Embree robust");
+    for threads in [Threads::One, Threads::All] {
+        for set in &sets {
+            measure(set, threads, &accel, [high.as_ref(), robust.as_ref()], scene.name, settings, all);
         }
     }
 }
 
-fn measure(set: &Rays, accel: &Accel, embree: Option<&Embree>) {
-    let (mut ours, mut theirs) = (f64::INFINITY, f64::INFINITY);
-    for _ in 0..TURNS {
-        ours = ours.min(seconds(&set.rays, |r| {
-            if set.occlusion { accel.occluded(r) } else { accel.closest(r).is_some() }
-        }));
-        if let Some(embree) = embree {
-            theirs = theirs.min(seconds(&set.rays, |r| {
-                if set.occlusion { embree.occluded(r) } else { embree.closest(r).geometry != u32::MAX }
-            }));
+/// Times and memory of builds; returns ours of high quality.
+fn builds(scene: &Scene, library: Option<&'static Library>, settings: Settings) -> Accel {
+    let ours = |quality| {
+        let accel = rays::accel_of(scene, quality);
+        (accel.report().seconds, accel.report().bytes as f64)
+    };
+    let theirs = |mode| {
+        library.map_or((f64::NAN, f64::NAN), |l| {
+            let embree = Embree::build(l, scene, mode);
+            (embree.build_seconds, embree.bytes as f64)
+        })
+    };
+    let (mut b0, mut b1, mut b2, mut b3) = (0.0, 0.0, 0.0, 0.0);
+    let keep = |(seconds, bytes): (f64, f64), to: &mut f64| {
+        *to = bytes;
+        seconds
+    };
+    let seconds = by_turns(
+        settings.builds,
+        [
+            &mut || keep(ours(BuildQuality::Fast), &mut b0),
+            &mut || keep(theirs(Mode::Medium), &mut b1),
+            &mut || keep(ours(BuildQuality::High), &mut b2),
+            &mut || keep(theirs(Mode::High), &mut b3),
+        ],
+    );
+    let names = ["fast", "Embree medium", "high", "Embree high"];
+    for ((name, bytes), seconds) in names.iter().zip([b0, b1, b2, b3]).zip(seconds) {
+        if seconds.is_finite() {
+            let per_triangle = bytes / scene.indices.len() as f64;
+            println!("  build {name:14} {seconds:7.3} s  {per_triangle:6.1} bytes a triangle");
         }
     }
+    let mut fast = rays::accel_of(scene, BuildQuality::Fast);
+    let positions: std::sync::Arc<[Vec3]> = scene.positions.clone().into();
+    let mut refit = || {
+        let start = std::time::Instant::now();
+        fast.refit(&[(0, positions.clone())]).expect("the same mesh");
+        start.elapsed().as_secs_f64()
+    };
+    println!("  refit of fast        {:7.3} s", by_turns(settings.builds, [&mut refit])[0]);
+    rays::accel_of(scene, BuildQuality::High)
+}
+
+fn measure(
+    set: &Rays,
+    threads: Threads,
+    accel: &Accel,
+    embrees: [Option<&Embree>; 2],
+    scene: &'static str,
+    settings: Settings,
+    all: &mut Vec<Ratio>,
+) {
+    let occlusion = set.occlusion;
+    let mut ours = || {
+        timing::seconds(threads, &set.rays, |r| {
+            if occlusion { accel.occluded(r) } else { accel.closest(r).is_some() }
+        })
+    };
+    let theirs = |embree: Option<&Embree>| {
+        embree.map_or(f64::NAN, |e| {
+            timing::seconds(threads, &set.rays, |r| {
+                if occlusion { e.occluded(r) } else { e.closest(r).geometry != u32::MAX }
+            })
+        })
+    };
+    let [ours, high, robust] =
+        by_turns(settings.turns, [&mut ours, &mut || theirs(embrees[0]), &mut || theirs(embrees[1])]);
     let speed = |seconds: f64| set.rays.len() as f64 / seconds / 1e6;
-    print!("  {:18} {:8.2} Mrays/s", set.name, speed(ours));
-    if embree.is_some() {
-        print!("   Embree {:8.2}   ratio {:.2}", speed(theirs), theirs / ours);
+    let label = if threads == Threads::One { "1 thread" } else { "all threads" };
+    print!("  {:8} {label:11} {:7.2}", set.name, speed(ours));
+    for (seconds, robust) in [(high, false), (robust, true)] {
+        if seconds.is_finite() {
+            let ratio = seconds / ours;
+            print!("   {:7.2} ({ratio:.2}x)", speed(seconds));
+            all.push(Ratio { scene, occlusion, threads, robust, ratio });
+        }
     }
     println!();
 }
 
-fn seconds(rays: &[Ray], query: impl Fn(&Ray) -> bool) -> f64 {
-    let start = thread_seconds();
-    let hits = rays.iter().filter(|r| query(r)).count();
-    let seconds = thread_seconds() - start;
-    black_box(hits);
-    seconds
+/// Nodes and triangles touched per ray.
+#[cfg(feature = "count")]
+fn count(set: &Rays, accel: &Accel) {
+    use lichtweg_ray::counts;
+    counts::take();
+    for ray in &set.rays {
+        std::hint::black_box(if set.occlusion { accel.occluded(ray) } else { accel.closest(ray).is_some() });
+    }
+    let n = set.rays.len() as f64;
+    let [nodes, blocks] = counts::take().map(|c| c as f64 / n);
+    println!("  {:8} {nodes:6.2} nodes, {blocks:6.2} blocks of up to 8 triangles a ray", set.name);
 }
 
-/// Processor time of this thread.
-fn thread_seconds() -> f64 {
-    let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the record is writable.
-    unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut t) };
-    t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
+#[cfg(not(feature = "count"))]
+fn count(_: &Rays, _: &Accel) {}
+
+/// Geometric means and the smallest ratios.
+fn summarise(all: &[Ratio]) {
+    if all.is_empty() {
+        return;
+    }
+    println!("\nspeed, as multiples of Embree's: geometric mean (least)");
+    for robust in [false, true] {
+        for threads in [Threads::One, Threads::All] {
+            for occlusion in [false, true] {
+                let of_kind = |r: &&Ratio| (r.robust, r.threads, r.occlusion) == (robust, threads, occlusion);
+                let some: Vec<&Ratio> = all.iter().filter(of_kind).collect();
+                let Some(least) = some.iter().min_by(|a, b| a.ratio.total_cmp(&b.ratio)) else { continue };
+                let mean = (some.iter().map(|r| r.ratio.ln()).sum::<f64>() / some.len() as f64).exp();
+                println!(
+                    "  {:9} against {:6}, {:11}: {mean:.3} ({:.3}, {})",
+                    if occlusion { "occlusion" } else { "closest" },
+                    if robust { "robust" } else { "high" },
+                    if threads == Threads::One { "1 thread" } else { "all threads" },
+                    least.ratio,
+                    least.scene,
+                );
+            }
+        }
+    }
 }

@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::bvh::Block;
 use crate::math::{Affine, Motion, Vec3};
 use crate::simd::Isa;
-use crate::{Accel, BuildOptions, Geometry, Instance, MovingMesh, Quadric, QuadricShape, Ray, TriangleMesh};
+use crate::{
+    Accel, BuildOptions, BuildQuality, Geometry, Instance, MovingMesh, Quadric, QuadricShape, Ray, TriangleMesh,
+};
 
 /// A linear congruential generator (Knuth's MMIX constants), values in [-1, 1).
 pub(crate) struct Random(pub u64);
@@ -113,10 +116,16 @@ fn instruction_sets_agree() {
 
 #[test]
 fn the_tree_does_not_depend_on_threads() {
+    for quality in [BuildQuality::Fast, BuildQuality::High] {
+        assert_independent_of_threads(quality);
+    }
+}
+
+fn assert_independent_of_threads(quality: BuildQuality) {
     let build = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let scene = still(&mut Random(9), 60_000);
-        pool.install(|| Accel::build(scene, BuildOptions::default()).unwrap())
+        pool.install(|| Accel::build(scene, quality.into()).unwrap())
     };
     let (one, three) = (build(1), build(3));
     assert_eq!(one.bvh.root, three.bvh.root);
@@ -128,4 +137,23 @@ fn the_tree_does_not_depend_on_threads() {
         assert_eq!(a.ids, b.ids);
     }
     assert_eq!(*one.bvh.others, *three.bvh.others);
+}
+
+#[test]
+fn pieces_are_bounded() {
+    let references = |quality: BuildQuality| {
+        let mut random = Random(4);
+        let mut geometries = scene(&mut random, 1000);
+        // Long triangles across everything, which are worth cutting.
+        let long: Vec<_> = (0..3000).map(|_| random.point() * 4.0).collect();
+        let indices: Vec<[u32; 3]> = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        geometries.push(TriangleMesh::new(long, indices).into());
+        let accel = Accel::build(geometries, quality.into()).unwrap();
+        let in_use = accel.bvh.blocks.iter().flat_map(|b| b.ids).filter(|&id| id != Block::NO_ID).count();
+        (in_use, accel.report().triangles)
+    };
+    let (whole, triangles) = references(BuildQuality::Fast);
+    assert_eq!(whole, triangles);
+    let (pieces, triangles) = references(BuildQuality::High);
+    assert!(pieces > triangles && 5 * pieces <= 6 * triangles, "{pieces} pieces of {triangles} triangles");
 }

@@ -66,18 +66,24 @@ mod accel;
 mod agreement;
 mod build;
 mod bvh;
+#[cfg(feature = "count")]
+pub mod counts;
+#[cfg(not(feature = "count"))]
+mod counts;
 mod geometry;
 mod kind;
 pub mod math;
 mod memory;
 mod packet;
 mod ray;
+mod refit;
 mod simd;
 mod triangle;
 pub mod wide;
 
-pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
+pub use accel::{Accel, BuildError, BuildOptions, BuildQuality, BuildReport};
 pub use geometry::{Geometry, TriangleMesh};
 pub use kind::{Instance, MovingMesh, Placement, Quadric, QuadricShape, UserHit, UserPrimitives};
 pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};
+pub use refit::RefitError;

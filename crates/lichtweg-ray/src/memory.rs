@@ -1,10 +1,10 @@
-//! Large read-only arrays on large pages.
+//! Large arrays of fixed length on large pages.
 //!
 //! Rays jump about in tens of megabytes: with 4 kB pages most of these jumps miss the TLB.
 
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 use std::mem::MaybeUninit;
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
 
 /// Size of a large page on the machines we know.
@@ -16,7 +16,7 @@ pub(crate) struct Pages<T: Copy> {
     len: usize,
 }
 
-// SAFETY: the array is owned and only ever shared for reading.
+// SAFETY: the array is owned, and borrowed as any slice.
 unsafe impl<T: Copy + Send> Send for Pages<T> {}
 // SAFETY: as above.
 unsafe impl<T: Copy + Sync> Sync for Pages<T> {}
@@ -66,6 +66,13 @@ impl<T: Copy> Deref for Pages<T> {
     fn deref(&self) -> &[T] {
         // SAFETY: `filled` initialised `len` elements.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.len) }
+    }
+}
+
+impl<T: Copy> DerefMut for Pages<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        // SAFETY: `filled` initialised `len` elements, and `self` is borrowed for as long as they are.
+        unsafe { std::slice::from_raw_parts_mut(self.start.as_ptr(), self.len) }
     }
 }
 

@@ -5,7 +5,7 @@ mod support;
 use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Motion, Vec3};
-use lichtweg_ray::{Hit, MovingMesh, Placement, Quadric, QuadricShape, Ray, TriangleMesh};
+use lichtweg_ray::{Accel, BuildQuality, Hit, MovingMesh, Placement, Quadric, QuadricShape, Ray, TriangleMesh};
 use proptest::prelude::*;
 use support::{Balls, OneByOne, Source, build};
 
@@ -126,11 +126,14 @@ fn deep(range: f32) -> impl Strategy<Value = Case> {
 }
 
 fn check((sources, rays): Case) -> Result<(), TestCaseError> {
-    let accel = build(sources.iter().map(Source::geometry).collect());
+    let geometries: Vec<_> = sources.iter().map(Source::geometry).collect();
+    let fast = Accel::build(geometries.clone(), BuildQuality::Fast.into()).expect("a sound scene");
+    let accel = build(geometries);
     let reference = OneByOne::all(&sources);
     for ray in rays {
         let hit = accel.closest(&ray);
         prop_assert_eq!(hit, OneByOne::closest(&reference, &ray, &|_| true), "{:?}", ray);
+        prop_assert_eq!(hit, fast.closest(&ray), "{:?}", ray);
         prop_assert_eq!(accel.occluded(&ray), hit.is_some(), "{:?}", ray);
         if let Some(hit) = hit {
             let beyond = ray.between(hit.t, ray.tfar);

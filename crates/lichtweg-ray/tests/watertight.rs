@@ -3,9 +3,10 @@
 #[path = "../benches/support/mod.rs"]
 mod support;
 
+use lichtweg_ray::BuildQuality;
 use lichtweg_ray::math::Affine;
 use support::escape::{escapes, mapped};
-use support::rays::accel;
+use support::rays::{accel, accel_of};
 use support::scenes::{Scene, cube, displaced_sphere};
 
 fn assert_tight(scene: &Scene, radius: f32, rays: u64) {
@@ -17,6 +18,21 @@ fn assert_tight(scene: &Scene, radius: f32, rays: u64) {
 #[test]
 fn dense_sphere() {
     assert_tight(&displaced_sphere(300), 0.8, 1_000_000);
+}
+
+#[test]
+fn dense_sphere_built_fast() {
+    let scene = displaced_sphere(200);
+    let accel = accel_of(&scene, BuildQuality::Fast);
+    assert_eq!(escapes(&scene, &accel, 0.8, 300_000, 1), 0);
+}
+
+/// Embree asks its callers to set this; indices, which look like denormal numbers, must survive it.
+#[test]
+fn denormals_may_be_flushed() {
+    let flush = |_| support::timing::flush_denormals();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).start_handler(flush).build().unwrap();
+    pool.install(|| assert_tight(&displaced_sphere(60), 0.8, 100_000));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::ffi::{c_char, c_void};
 use std::ptr::null;
+use std::sync::atomic::{AtomicI64, Ordering};
 
 use libloading::Library;
 use lichtweg_ray::Ray;
@@ -47,15 +48,31 @@ impl RayHit {
 type Handle = *mut c_void;
 type Query = unsafe extern "C" fn(Handle, *mut RayHit, *const c_void);
 
+/// How to build a scene.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Mode {
+    Medium,
+    High,
+    /// With the watertight triangle test; Embree then builds with medium quality, whatever is asked for.
+    Robust,
+}
+
 /// A committed scene.
 pub struct Embree {
     scene: Handle,
+    device: Handle,
+    release_scene: extern "C" fn(Handle),
+    release_device: extern "C" fn(Handle),
     intersect: Query,
     occluded: Query,
     pub build_seconds: f64,
+    /// What the library holds after the build, the shared arrays not among it.
+    pub bytes: i64,
     // The vertex buffer with the padding that Embree demands; shared with the scene.
     _positions: Vec<f32>,
     _indices: Vec<[u32; 3]>,
+    // The library counts into it until the device is gone.
+    _held: Box<AtomicI64>,
     _library: &'static Library,
 }
 
@@ -72,8 +89,10 @@ impl Embree {
         }
     }
 
-    /// Builds a scene: `quality` 1 is medium, 2 high; `flags` 4 is robust.
-    pub fn build(library: &'static Library, scene: &Scene, quality: i32, flags: i32) -> Self {
+    /// Builds a scene. `EMBREE_CONFIG` is handed on to the device.
+    pub fn build(library: &'static Library, scene: &Scene, mode: Mode) -> Self {
+        let quality = if mode == Mode::High { 2 } else { 1 };
+        let flags = if mode == Mode::Robust { 4 } else { 0 };
         let mut positions: Vec<f32> = scene.positions.iter().flat_map(|p| p.to_array()).collect();
         positions.push(0.0);
         let indices = scene.indices.clone();
@@ -100,8 +119,14 @@ impl Embree {
             let set_flags: extern "C" fn(Handle, i32) = symbol(library, "rtcSetSceneFlags");
             let commit: extern "C" fn(Handle) = symbol(library, "rtcCommitScene");
 
+            let set_monitor: extern "C" fn(Handle, Monitor, *const c_void) =
+                symbol(library, "rtcSetDeviceMemoryMonitorFunction");
+            let release_geometry: extern "C" fn(Handle) = symbol(library, "rtcReleaseGeometry");
+
             let device = new_device(config.as_ptr().cast());
             assert!(!device.is_null());
+            let held = Box::new(AtomicI64::new(0));
+            set_monitor(device, count_bytes, (&raw const *held).cast());
             let s = new_scene(device);
             set_quality(s, quality);
             set_flags(s, flags);
@@ -111,13 +136,20 @@ impl Embree {
             set_buffer(g, 0, 0, 0x5003, indices.as_ptr().cast(), 0, 12, indices.len());
             commit_geometry(g);
             attach(s, g);
+            release_geometry(g);
             let start = std::time::Instant::now();
             commit(s);
+            let build_seconds = start.elapsed().as_secs_f64();
             Self {
                 scene: s,
+                device,
+                release_scene: symbol(library, "rtcReleaseScene"),
+                release_device: symbol(library, "rtcReleaseDevice"),
+                bytes: held.load(Ordering::Relaxed),
+                _held: held,
                 intersect: symbol(library, "rtcIntersect1"),
                 occluded: symbol(library, "rtcOccluded1"),
-                build_seconds: start.elapsed().as_secs_f64(),
+                build_seconds,
                 _positions: positions,
                 _indices: indices,
                 _library: library,
@@ -143,6 +175,25 @@ impl Embree {
         query.tfar < 0.0
     }
 }
+
+impl Drop for Embree {
+    fn drop(&mut self) {
+        (self.release_scene)(self.scene);
+        (self.release_device)(self.device);
+    }
+}
+
+type Monitor = extern "C" fn(*const c_void, isize, bool) -> bool;
+
+/// Told of every allocation and release.
+extern "C" fn count_bytes(held: *const c_void, bytes: isize, _after: bool) -> bool {
+    // SAFETY: the pointer is that of the counter given with this function.
+    unsafe { &*held.cast::<AtomicI64>() }.fetch_add(bytes as i64, Ordering::Relaxed);
+    true
+}
+
+// SAFETY: queries of a committed scene may run on any thread.
+unsafe impl Sync for Embree {}
 
 unsafe fn symbol<T: Copy>(library: &'static Library, name: &str) -> T {
     // SAFETY: the caller states the right type.

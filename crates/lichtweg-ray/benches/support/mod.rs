@@ -6,3 +6,4 @@ pub mod escape;
 pub mod random;
 pub mod rays;
 pub mod scenes;
+pub mod timing;

@@ -1,6 +1,6 @@
 //! Ray sets over a scene.
 
-use lichtweg_ray::{Accel, Geometry, Ray, TriangleMesh, math::Vec3};
+use lichtweg_ray::{Accel, BuildQuality, Geometry, Ray, TriangleMesh, math::Vec3};
 
 use super::random::Random;
 use super::scenes::Scene;
@@ -14,30 +14,34 @@ pub struct Rays {
 
 /// Our structure over a scene.
 pub fn accel(scene: &Scene) -> Accel {
+    accel_of(scene, BuildQuality::default())
+}
+
+/// Our structure over a scene, of the quality asked for.
+pub fn accel_of(scene: &Scene, quality: BuildQuality) -> Accel {
     let mesh = TriangleMesh::new(scene.positions.clone(), scene.indices.clone());
     let mut geometries = vec![Geometry::Triangles(mesh)];
     geometries.extend(scene.balls.iter().map(|&b| b.into()));
-    Accel::build(geometries, Default::default()).expect("a sound scene")
+    Accel::build(geometries, quality.into()).expect("a sound scene")
 }
 
-/// Primary rays in scanline order, one cosine bounce from each hit (in the same order and shuffled),
-/// and shadow rays to the light.
-pub fn sets(scene: &Scene, accel: &Accel, side: u32) -> Vec<Rays> {
+/// `side` squared primary rays in scanline order and, from what each of them hits, one cosine-distributed
+/// bounce and a shadow ray to a random point of the light.
+pub fn sets(scene: &Scene, accel: &Accel, side: u32) -> [Rays; 3] {
     let mut random = Random(3);
     let forward = (scene.target - scene.eye).normalized();
-    let right = forward.cross(Vec3::Y).normalized();
+    let right = forward.cross(Vec3::Y).normalized() * scene.field;
     let up = right.cross(forward);
     let mut primary = Vec::new();
     for j in 0..side {
         for i in 0..side {
-            let x = (2.0 * (i as f32 + random.unit()) / side as f32 - 1.0) * 0.5;
-            let y = (1.0 - 2.0 * (j as f32 + random.unit()) / side as f32) * 0.5;
+            let x = 2.0 * (i as f32 + random.unit()) / side as f32 - 1.0;
+            let y = 1.0 - 2.0 * (j as f32 + random.unit()) / side as f32;
             primary.push(Ray::new(scene.eye, (forward + right * x + up * y).normalized()));
         }
     }
-    let reach = accel.bounds().extent().length();
-    let epsilon = 1e-5 * reach;
-    let (mut bounce, mut shadow, mut around) = (Vec::new(), Vec::new(), Vec::new());
+    let light_radius = 0.1 * (scene.light - scene.target).length();
+    let (mut bounce, mut shadow) = (Vec::new(), Vec::new());
     for ray in &primary {
         let Some(hit) = accel.closest(ray) else { continue };
         let p = ray.at(hit.t);
@@ -51,20 +55,10 @@ pub fn sets(scene: &Scene, accel: &Accel, side: u32) -> Vec<Rays> {
         if n.dot(ray.direction) > 0.0 {
             n = -n;
         }
-        bounce.push(Ray::new(p, random.cosine(n)).between(epsilon, f32::INFINITY));
-        shadow.push(Ray::new(p, scene.light - p).between(1e-4, 0.9999));
-        around.push(Ray::new(p, random.cosine(n)).between(epsilon, 0.2 * reach));
-    }
-    let mut shuffled = bounce.clone();
-    for i in (1..shuffled.len()).rev() {
-        shuffled.swap(i, (random.bits() % (i as u64 + 1)) as usize);
+        let light = scene.light + random.direction() * light_radius;
+        bounce.push(Ray::new(p, random.cosine(n)).between(1e-4 * hit.t, f32::INFINITY));
+        shadow.push(Ray::new(p, light - p).between(1e-4, 0.9999));
     }
     let set = |name, occlusion, rays| Rays { name, occlusion, rays };
-    vec![
-        set("primary", false, primary),
-        set("bounce", false, bounce),
-        set("bounce, shuffled", false, shuffled),
-        set("shadow", true, shadow),
-        set("ambient", true, around),
-    ]
+    [set("primary", false, primary), set("bounce", false, bounce), set("shadow", true, shadow)]
 }

@@ -5,34 +5,54 @@ use std::mem::MaybeUninit;
 
 use rayon::prelude::*;
 
+use super::binning::Extent;
 use super::primitive::Census;
+use super::spatial::Knife;
 use super::tree::{Built, Part, TreeBuilder};
-use crate::accel::BuildError;
+use crate::accel::{BuildError, BuildQuality};
 use crate::bvh::{Block, Bvh, ChildRef, Node, Numbering};
 use crate::geometry::Geometry;
 use crate::memory::Pages;
 use crate::simd::WIDTH;
 
 /// Builds the hierarchy of all primitives.
-pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh, BuildError> {
+pub(crate) fn build(
+    geometries: &[Geometry],
+    census: &mut Census,
+    quality: BuildQuality,
+) -> Result<Bvh, BuildError> {
     let primitives = &mut census.primitives;
+    let count = primitives.len();
     let mut plan = Layout::default();
     let root = if primitives.is_empty() {
         ChildRef::NOTHING
     } else {
-        let builder =
-            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.items.is_empty() };
-        let built = builder.build(primitives);
+        let (bins, room) = match quality {
+            BuildQuality::Fast => (16, 0.0),
+            BuildQuality::High => (32, ROOM),
+        };
+        let extent = Extent::of(primitives);
+        primitives.resize(count + (count as f32 * room) as usize, primitives[0]);
+        let builder = TreeBuilder {
+            geometries,
+            numbering: &census.numbering,
+            mixed: !census.items.is_empty(),
+            bins,
+            knife: Knife::new(geometries, &extent),
+        };
+        let built = builder.build(primitives, count, extent);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)
     };
     if plan.end.blocks.max(plan.end.others) >= ChildRef::MAX_INDEX {
-        return Err(BuildError::TooLarge { primitives: primitives.len() });
+        return Err(BuildError::TooLarge { primitives: count });
     }
-    let reach = census.bounds.reach();
     let numbering = std::mem::take(&mut census.numbering);
-    Ok(plan.assemble(root, numbering, reach))
+    Ok(plan.assemble(root, numbering, census.bounds.reach()))
 }
+
+/// Splits through triangles add at most this share to the references.
+const ROOM: f32 = 0.2;
 
 fn upper_nodes(built: &Built) -> usize {
     match built {

@@ -28,7 +28,7 @@ impl Extent {
 
     #[inline(always)]
     fn add(&mut self, p: &Primitive) {
-        self.bounds = self.bounds.union(p.bounds);
+        self.bounds = self.bounds.union(p.bounds());
         self.centers2 = self.centers2.including(p.center2());
     }
 
@@ -59,8 +59,8 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    fn new(centers2: &QuadBox, count: usize) -> Self {
-        let bins = (8 + count / 16).min(BINS);
+    fn new(centers2: &QuadBox, count: usize, bins: usize) -> Self {
+        let bins = (8 + count / 16).min(bins).min(BINS);
         let scale = |extent: f32| {
             // Slightly below the number of bins, so that the last centre falls into the last bin.
             let s = 0.999 * bins as f32 / extent;
@@ -86,6 +86,8 @@ pub(crate) struct Split {
     bin: usize,
     /// Sum over both sides of half area times number of blocks.
     pub cost: f32,
+    /// Half area of what the boxes of both sides have in common.
+    pub overlap: f32,
 }
 
 #[derive(Clone, Copy)]
@@ -105,7 +107,7 @@ impl Histogram {
             let bins = grid.bins_of(p);
             for (axis, bin) in bins.into_iter().enumerate() {
                 let b = &mut out.bounds[bin][axis];
-                *b = b.union(p.bounds);
+                *b = b.union(p.bounds());
                 out.counts[bin][axis] += 1;
             }
         }
@@ -129,9 +131,14 @@ pub(crate) fn blocks(count: u32, block: u32) -> f32 {
     count.div_ceil(block) as f32
 }
 
-/// The cheapest plane, if any leaves something on both sides.
-pub(crate) fn find_split(primitives: &[Primitive], extent: &Extent, block: u32) -> Option<Split> {
-    let grid = Grid::new(&extent.centers2, primitives.len());
+/// The cheapest plane among those between `bins` bins an axis, if any leaves something on both sides.
+pub(crate) fn find_split(
+    primitives: &[Primitive],
+    extent: &Extent,
+    block: u32,
+    bins: usize,
+) -> Option<Split> {
+    let grid = Grid::new(&extent.centers2, primitives.len(), bins);
     let histogram = if primitives.len() <= CHUNK {
         Histogram::of(primitives, &grid)
     } else {
@@ -141,7 +148,14 @@ pub(crate) fn find_split(primitives: &[Primitive], extent: &Extent, block: u32) 
             .reduce_with(|a, b| Box::new(a.merged(&b)))
             .map_or_else(Histogram::new, |h| *h)
     };
-    sweep(&histogram, grid, block)
+    let mut split = sweep(&histogram, grid, block)?;
+    let side = |bins: std::ops::Range<usize>| {
+        let boxes = histogram.bounds[bins].iter().map(|b| b[split.axis]);
+        boxes.fold(QuadBox::empty(), QuadBox::union)
+    };
+    let common = side(0..split.bin).intersection(side(split.bin..grid.bins));
+    split.overlap = if common.is_empty() { 0.0 } else { common.half_area() };
+    Some(split)
 }
 
 fn sweep(histogram: &Histogram, grid: Grid, block: u32) -> Option<Split> {
@@ -168,7 +182,7 @@ fn sweep(histogram: &Histogram, grid: Grid, block: u32) -> Option<Split> {
             }
             let cost = boxes[axis].half_area() * blocks(counts[axis], block) + right[axis];
             if best.is_none_or(|b| cost < b.cost) {
-                best = Some(Split { grid, axis, bin, cost });
+                best = Some(Split { grid, axis, bin, cost, overlap: 0.0 });
             }
         }
     }

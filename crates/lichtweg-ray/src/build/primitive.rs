@@ -17,37 +17,49 @@ pub(crate) const MAX_COORDINATE: f32 = 1.099_511_6e12;
 /// Triangles handled by one task; fixed, so that the order of primitives is.
 const CHUNK: usize = 1 << 14;
 
-/// A primitive's box; the fourth lanes hold the bits of the geometry's and the primitive's index.
+/// A primitive's name and box. The integers are never touched by `f32` operations, which would flush
+/// small ones to zero on threads that do so with denormal numbers.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(16))]
 pub(crate) struct Primitive {
-    pub bounds: QuadBox,
+    lo: [f32; 3],
+    geometry: u32,
+    hi: [f32; 3],
+    primitive: u32,
 }
 
 impl Primitive {
     #[inline(always)]
-    fn new(Bounds3 { min: lo, max: hi }: Bounds3, geometry: u32, primitive: u32) -> Self {
-        Self {
-            bounds: QuadBox {
-                lo: Quad::new(lo.x, lo.y, lo.z, f32::from_bits(geometry)),
-                hi: Quad::new(hi.x, hi.y, hi.z, f32::from_bits(primitive)),
-            },
-        }
+    fn new(Bounds3 { min, max }: Bounds3, geometry: u32, primitive: u32) -> Self {
+        Self { lo: min.to_array(), geometry, hi: max.to_array(), primitive }
+    }
+
+    /// The same primitive with another box.
+    pub(crate) fn within(&self, bounds: QuadBox) -> Self {
+        let Bounds3 { min, max } = bounds.to_bounds();
+        Self { lo: min.to_array(), hi: max.to_array(), ..*self }
+    }
+
+    /// The box (the fourth lanes are meaningless).
+    #[inline(always)]
+    pub(crate) fn bounds(&self) -> QuadBox {
+        // SAFETY: both are 32 plain bytes, of which the first three lanes of each half are the corners.
+        unsafe { std::mem::transmute(*self) }
     }
 
     /// Twice the centre of the box (the fourth lane is meaningless).
     #[inline(always)]
     pub(crate) fn center2(&self) -> Quad {
-        self.bounds.lo.add(self.bounds.hi)
+        let QuadBox { lo, hi } = self.bounds();
+        lo.add(hi)
     }
 
-    #[inline(always)]
     pub(crate) fn geometry(&self) -> u32 {
-        self.bounds.lo.to_array()[3].to_bits()
+        self.geometry
     }
 
-    #[inline(always)]
     pub(crate) fn primitive(&self) -> u32 {
-        self.bounds.hi.to_array()[3].to_bits()
+        self.primitive
     }
 }
 
@@ -112,7 +124,7 @@ fn widen_instances(all: &mut Census) {
     let reach = all.bounds.reach();
     all.primitives.par_iter_mut().for_each(|p| {
         if let Kind::Instance(instance) = &all.kinds[p.geometry() as usize] {
-            let wide = p.bounds.to_bounds().widened(instance.margin(reach));
+            let wide = p.bounds().to_bounds().widened(instance.margin(reach));
             *p = Primitive::new(wide, p.geometry(), p.primitive());
         }
     });
@@ -171,7 +183,7 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
                 vertices: mesh.positions.len(),
             })?;
         }
-        if !corners.iter().all(|c| c.is_finite() && c.abs().max_element() <= MAX_COORDINATE) {
+        if !is_in_range(corners) {
             chunk.dropped_non_finite += 1;
         } else if has_no_area(corners) {
             chunk.dropped_degenerate += 1;
@@ -184,6 +196,15 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
     Ok(chunk)
 }
 
+/// Whether a triangle can be hit: its corners are in range and it has an area.
+pub(crate) fn is_sound(corners: [Vec3; 3]) -> bool {
+    is_in_range(corners) && !has_no_area(corners)
+}
+
+fn is_in_range(corners: [Vec3; 3]) -> bool {
+    corners.iter().all(|c| c.is_finite() && c.abs().max_element() <= MAX_COORDINATE)
+}
+
 /// Whether the corners lie on a line, as far as `f64` can tell.
 fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     let wide = |v: Vec3| v.to_array().map(f64::from);
@@ -191,6 +212,11 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     let e: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
     let f: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
     e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
+}
+
+/// The box of a triangle, as wide as queries need it.
+pub(crate) fn padded_box(corners: [Vec3; 3]) -> Bounds3 {
+    padded(Bounds3::of(corners))
 }
 
 /// A box with the margin that hits of triangles need.

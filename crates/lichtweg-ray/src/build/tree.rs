@@ -1,19 +1,20 @@
-//! Top-down construction of the wide tree: each node opens its largest children until it has eight.
+//! Top-down construction: a binary tree by the surface area heuristic, collapsed to a wide one.
 //!
-//! Large ranges become tasks; where they are cut depends on the primitives alone, so that the tree and
-//! its memory order do not depend on the number of threads.
+//! Large ranges become tasks; where they are cut depends on the references alone, so that the tree and
+//! its memory order do not depend on the number of threads. The nodes above the tasks open their largest
+//! children until they have eight.
 
 use rayon::prelude::*;
 
-use super::binning::{Extent, Split, blocks, find_split, partition};
+use super::binning::{Extent, Split, find_split, partition};
+use super::collapse::{Binary, BinaryNode, collapse};
 use super::primitive::Primitive;
+use super::spatial::{Knife, SpatialSplit};
 use crate::bvh::{Block, ChildRef, MAX_DEPTH, Node, Numbering};
 use crate::geometry::Geometry;
 use crate::math::Bounds3;
 use crate::simd::WIDTH;
 
-/// Cost of visiting a node, in units of testing a block.
-const NODE_COST: f32 = 0.5;
 /// Ranges above this are built as several tasks.
 const TASK: usize = 1 << 14;
 /// Beyond this depth ranges are halved by count, which bounds the depth.
@@ -33,11 +34,34 @@ pub(crate) enum Built {
     Node(Vec<(Bounds3, Built)>),
 }
 
-/// A contiguous range of primitives that is to become a child.
+/// References that are to become a subtree, and room for more of them.
 struct Range<'a> {
-    primitives: &'a mut [Primitive],
+    slots: &'a mut [Primitive],
+    /// How many slots, from the first on, are in use.
+    count: usize,
     extent: Extent,
-    settled: bool,
+}
+
+impl<'a> Range<'a> {
+    fn references(&self) -> &[Primitive] {
+        &self.slots[..self.count]
+    }
+
+    fn in_use(&mut self) -> &mut [Primitive] {
+        &mut self.slots[..self.count]
+    }
+
+    /// Two ranges, the references up to `middle` and those from there on, which share the room.
+    fn split_at(self, middle: usize, left: Extent, right: Extent) -> (Self, Self) {
+        let room = self.slots.len() - self.count;
+        let share = (room as u64 * middle as u64 / self.count.max(1) as u64) as usize;
+        self.slots.copy_within(middle..self.count, middle + share);
+        let (a, b) = self.slots.split_at_mut(middle + share);
+        (
+            Range { slots: a, count: middle, extent: left },
+            Range { slots: b, count: self.count - middle, extent: right },
+        )
+    }
 }
 
 /// What is the same for the whole build.
@@ -46,19 +70,24 @@ pub(crate) struct TreeBuilder<'a> {
     pub numbering: &'a Numbering,
     /// Whether there are primitives other than triangles.
     pub mixed: bool,
+    /// Bins an axis for splits between references, at most.
+    pub bins: usize,
+    /// Cuts triangles, as far as there is room for their pieces.
+    pub knife: Knife<'a>,
 }
 
 impl TreeBuilder<'_> {
-    pub(crate) fn build(&self, primitives: &mut [Primitive]) -> Built {
-        let extent = Extent::of(primitives);
-        self.subtree(Range { primitives, extent, settled: false }, 0)
+    /// Builds a tree of the first `count` references; the other slots are room for pieces.
+    pub(crate) fn build(&self, slots: &mut [Primitive], count: usize, extent: Extent) -> Built {
+        self.subtree(Range { slots, count, extent }, 0)
     }
 
     /// A subtree, as several tasks where it is large.
     fn subtree(&self, range: Range, depth: usize) -> Built {
-        if range.primitives.len() <= TASK {
-            let mut part = Part::default();
-            let root = self.child(range, depth, &mut part);
+        if range.count <= TASK {
+            let mut binary = Binary::default();
+            self.grow(range, depth, &mut binary);
+            let (part, root) = collapse(self, &mut binary);
             return Built::Part { part, root };
         }
         let children = self.open(range, depth);
@@ -69,40 +98,42 @@ impl TreeBuilder<'_> {
         Built::Node(built)
     }
 
-    /// A subtree within one part.
-    fn child(&self, mut range: Range, depth: usize, part: &mut Part) -> ChildRef {
-        if range.settled || matches!(self.plan(&mut range, depth), Plan::Leaf) {
-            return self.leaf(range.primitives, part);
+    /// A binary subtree; returns the number of others in it.
+    fn grow(&self, range: Range, depth: usize, out: &mut Binary) -> u32 {
+        let index = out.nodes.len();
+        let (first, bounds) = (out.names.len() as u32, range.extent.bounds);
+        out.nodes.push(BinaryNode { bounds, right: 0, first, count: 0, others: 0 });
+        let (mut right, mut others) = (0, 0);
+        match self.plan(&range, depth) {
+            None => {
+                out.names.extend(range.references().iter().map(|p| (p.geometry(), p.primitive())));
+                others = self.others(range.references()) as u32;
+            }
+            Some(plan) => {
+                let (a, b) = self.divide(range, plan);
+                others += self.grow(a, depth + 1, out);
+                right = out.nodes.len() as u32;
+                others += self.grow(b, depth + 1, out);
+            }
         }
-        let index = part.nodes.len();
-        part.nodes.push(Node::EMPTY);
-        let mut node = Node::EMPTY;
-        for (slot, c) in self.open(range, depth).into_iter().enumerate() {
-            let bounds = c.extent.bounds.to_bounds();
-            node.set(slot, &bounds, self.child(c, depth + 1, part));
-        }
-        part.nodes[index] = node;
-        ChildRef::inner(index)
+        let count = out.names.len() as u32 - first;
+        out.nodes[index] = BinaryNode { bounds, right, first, count, others };
+        others
     }
 
-    /// Splits a range into two to eight children.
+    /// Splits a range into eight children, or fewer where small ones suffice.
     fn open<'r>(&self, range: Range<'r>, depth: usize) -> Vec<Range<'r>> {
-        let mut children = Vec::with_capacity(WIDTH);
-        children.push(range);
+        let mut children = vec![range];
         while children.len() < WIDTH {
             let weight = |r: &Range| {
-                if depth >= HALVING_DEPTH { r.primitives.len() as f32 } else { r.extent.bounds.half_area() }
+                if depth >= HALVING_DEPTH { r.count as f32 } else { r.extent.bounds.half_area() }
             };
             let candidate = (0..children.len())
-                .filter(|&i| !children[i].settled)
+                .filter(|&i| children[i].count > TASK / 2)
                 .max_by(|&a, &b| weight(&children[a]).total_cmp(&weight(&children[b])));
             let Some(candidate) = candidate else { break };
-            let plan = self.plan(&mut children[candidate], depth);
-            if let Plan::Leaf = plan {
-                children[candidate].settled = true;
-                continue;
-            }
             let range = children.swap_remove(candidate);
+            let plan = self.plan(&range, depth).unwrap_or(Plan::Halve);
             let (left, right) = self.divide(range, plan);
             children.extend([left, right]);
         }
@@ -111,92 +142,84 @@ impl TreeBuilder<'_> {
         children
     }
 
-    fn plan(&self, range: &mut Range, depth: usize) -> Plan {
-        let count = range.primitives.len();
-        let others = if self.mixed && count <= WIDTH * ChildRef::MAX_ITEMS {
-            range.primitives.iter().filter(|p| self.is_other(p)).count()
-        } else {
-            0
+    /// How to split a range, or not at all.
+    fn plan(&self, range: &Range, depth: usize) -> Option<Plan> {
+        let count = range.count;
+        let is_small = count <= WIDTH;
+        let others = if is_small { self.others(range.references()) } else { 0 };
+        if others != 0 && others != count {
+            return Some(Plan::Kinds);
+        }
+        if count == 1 || is_small && others == 0 {
+            return None;
+        }
+        if depth >= HALVING_DEPTH {
+            return Some(Plan::Halve);
+        }
+        let block = if others == 0 { WIDTH as u32 } else { 1 };
+        let Some(split) = find_split(range.references(), &range.extent, block, self.bins) else {
+            return Some(Plan::Halve);
         };
-        let only_others = others == count;
-        let block = if only_others { 1 } else { WIDTH as u32 };
-        if count <= block as usize && (others == 0 || only_others) {
-            return Plan::Leaf;
-        }
-        let may_be_leaf = count <= block as usize * ChildRef::MAX_ITEMS;
-        if depth >= HALVING_DEPTH && !may_be_leaf {
-            return Plan::Halve;
-        }
-        if may_be_leaf && others != 0 && !only_others {
-            return Plan::Kinds;
-        }
-        match find_split(range.primitives, &range.extent, block) {
-            None if may_be_leaf => Plan::Leaf,
-            None => Plan::Halve,
-            Some(split) => {
-                let area = range.extent.bounds.half_area();
-                let leaf_cost = area * blocks(count as u32, block);
-                if may_be_leaf && leaf_cost <= NODE_COST * area + split.cost {
-                    Plan::Leaf
-                } else {
-                    Plan::Split(split)
-                }
+        let room = range.slots.len() - count;
+        if room > 0 && self.knife.may_pay(&split) {
+            let spatial = self.knife.find_split(range.references(), &range.extent, block);
+            if let Some(spatial) = spatial.filter(|s| s.cost < split.cost && s.duplicates <= room) {
+                return Some(Plan::Cut(spatial, split));
             }
         }
+        Some(Plan::Split(split))
     }
 
-    fn divide<'r>(&self, range: Range<'r>, plan: Plan) -> (Range<'r>, Range<'r>) {
-        let primitives = range.primitives;
-        let (middle, extents) = match plan {
-            Plan::Split(split) => {
-                let (middle, left, right) = partition(primitives, &split);
-                (middle, Some((left, right)))
+    fn divide<'r>(&self, mut range: Range<'r>, plan: Plan) -> (Range<'r>, Range<'r>) {
+        let split = match plan {
+            Plan::Split(split) => split,
+            Plan::Cut(spatial, split) => {
+                let sides = self.knife.cut(range.references(), &spatial);
+                let count = sides.references.len();
+                // Rounding may make more of it than foreseen.
+                if sides.middle == 0 || sides.middle == count || count > range.slots.len() {
+                    split
+                } else {
+                    range.slots[..count].copy_from_slice(&sides.references);
+                    range.count = count;
+                    return range.split_at(sides.middle, sides.left, sides.right);
+                }
             }
             Plan::Kinds => {
-                primitives.sort_by_key(|p| self.is_other(p));
-                (primitives.partition_point(|p| !self.is_other(p)), None)
+                range.in_use().sort_by_key(|p| self.is_other(p));
+                let middle = range.references().partition_point(|p| !self.is_other(p));
+                return halves(range, middle);
             }
-            Plan::Halve | Plan::Leaf => (primitives.len() / 2, None),
+            Plan::Halve => {
+                let middle = range.count / 2;
+                return halves(range, middle);
+            }
         };
-        let (left, right) = primitives.split_at_mut(middle);
-        let (a, b) = extents.unwrap_or_else(|| (Extent::of(left), Extent::of(right)));
-        (
-            Range { primitives: left, extent: a, settled: false },
-            Range { primitives: right, extent: b, settled: false },
-        )
+        let (middle, left, right) = partition(range.in_use(), &split);
+        range.split_at(middle, left, right)
+    }
+
+    /// How many of the references are no triangles.
+    fn others(&self, references: &[Primitive]) -> usize {
+        if self.mixed { references.iter().filter(|p| self.is_other(p)).count() } else { 0 }
     }
 
     fn is_other(&self, p: &Primitive) -> bool {
         !matches!(self.geometries[p.geometry() as usize], Geometry::Triangles(_))
     }
-
-    fn leaf(&self, primitives: &mut [Primitive], part: &mut Part) -> ChildRef {
-        primitives.sort_unstable_by_key(|p| (p.geometry(), p.primitive()));
-        if self.mixed && self.is_other(&primitives[0]) {
-            let first = part.others.len();
-            part.others.extend(primitives.iter().map(Primitive::primitive));
-            return ChildRef::others(first, primitives.len());
-        }
-        let first = part.blocks.len();
-        for group in primitives.chunks(WIDTH) {
-            let mut block = Block::EMPTY;
-            for (lane, p) in group.iter().enumerate() {
-                let (geometry, primitive) = (p.geometry(), p.primitive());
-                if let Geometry::Triangles(mesh) = &self.geometries[geometry as usize] {
-                    let id = self.numbering.number(geometry, primitive);
-                    block.set(lane, mesh.corners(primitive), id);
-                }
-            }
-            part.blocks.push(block);
-        }
-        ChildRef::triangles(first, primitives.len().div_ceil(WIDTH))
-    }
 }
 
-/// What to do with a range.
+fn halves(range: Range, middle: usize) -> (Range, Range) {
+    let (left, right) = range.references().split_at(middle);
+    let (left, right) = (Extent::of(left), Extent::of(right));
+    range.split_at(middle, left, right)
+}
+
+/// How to split a range.
 enum Plan {
-    Leaf,
     Split(Split),
+    /// Through triangles; the other split where that turns out not to fit.
+    Cut(SpatialSplit, Split),
     /// Triangles to the left, others to the right.
     Kinds,
     /// Halve by count.

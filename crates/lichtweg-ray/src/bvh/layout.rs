@@ -101,9 +101,16 @@ impl Node {
     };
 
     /// The box of a child; empty where there is none.
-    pub(crate) fn bounds(&self, slot: usize) -> Bounds3 {
+    pub(crate) fn child_bounds(&self, slot: usize) -> Bounds3 {
         let plane = |i: usize| self.planes[i][slot];
         Bounds3 { min: Vec3::new(plane(0), plane(2), plane(4)), max: Vec3::new(plane(1), plane(3), plane(5)) }
+    }
+
+    /// The box around all children.
+    pub(crate) fn bounds(&self) -> Bounds3 {
+        let least = |row: usize| self.planes[row].into_iter().fold(f32::INFINITY, f32::min);
+        let most = |row: usize| self.planes[row].into_iter().fold(f32::NEG_INFINITY, f32::max);
+        Bounds3 { min: Vec3::new(least(0), least(2), least(4)), max: Vec3::new(most(1), most(3), most(5)) }
     }
 
     pub(crate) fn set(&mut self, slot: usize, bounds: &Bounds3, child: ChildRef) {
@@ -126,7 +133,9 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], ids: [u32::MAX; WIDTH] };
+    /// What unused lanes hold instead of a running number.
+    pub(crate) const NO_ID: u32 = u32::MAX;
+    pub(crate) const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], ids: [Self::NO_ID; WIDTH] };
 
     pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3], id: u32) {
         for (to, from) in self.corners.iter_mut().zip(corners) {

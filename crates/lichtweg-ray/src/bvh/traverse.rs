@@ -5,6 +5,7 @@ use std::mem::MaybeUninit;
 use super::layout::{Block, Bvh, ChildRef, Node};
 use super::slab::{Slab, prepare};
 use crate::accel::Accel;
+use crate::counts;
 use crate::kind::{self, Probe};
 use crate::ray::{Accept, Hit, Ray};
 use crate::simd::{Lanes, WIDTH};
@@ -247,6 +248,7 @@ fn go<V: Lanes, const ANY: bool, const FILTERED: bool>(
     let mut end = shear.end(best.t);
     loop {
         while !current.is_leaf() {
+            counts::node();
             // SAFETY: inner references of the builder are indices of nodes.
             let node = unsafe { bvh.nodes.get_unchecked(current.node()) };
             // SAFETY: the planes are the node's six aligned rows.
@@ -333,6 +335,7 @@ fn go<V: Lanes, const ANY: bool, const FILTERED: bool>(
             return Event::Others(current);
         }
         for index in begin..begin + count {
+            counts::block();
             // SAFETY: leaf references of the builder are ranges of blocks.
             let block = unsafe { bvh.blocks.get_unchecked(index) };
             let hits = shear.intersect(block, &end);

@@ -45,6 +45,12 @@ impl Bounds3 {
         self.max - self.min
     }
 
+    /// Largest absolute coordinate; zero for the empty box.
+    #[inline]
+    pub fn reach(&self) -> f32 {
+        if self.is_empty() { 0.0 } else { self.min.abs().max(self.max.abs()).max_element() }
+    }
+
     /// The middle.
     #[inline]
     pub fn center(&self) -> Vec3 {
@@ -56,11 +62,6 @@ impl Bounds3 {
     pub fn half_area(&self) -> f32 {
         let e = self.extent();
         e.x * e.y + e.y * e.z + e.z * e.x
-    }
-
-    /// Largest absolute coordinate; 0 for the empty box.
-    pub fn reach(&self) -> f32 {
-        if self.is_empty() { 0.0 } else { self.min.abs().max(self.max.abs()).max_element() }
     }
 
     /// The box grown by `margin` on all sides; the empty box stays empty.

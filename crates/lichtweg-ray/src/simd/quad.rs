@@ -115,6 +115,7 @@ impl Quad {
 
 /// An axis-aligned box in the first three lanes.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct QuadBox {
     pub lo: Quad,
     pub hi: Quad,
@@ -134,6 +135,18 @@ impl QuadBox {
     #[inline(always)]
     pub(crate) fn union(self, o: Self) -> Self {
         Self { lo: self.lo.min(o.lo), hi: self.hi.max(o.hi) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn intersection(self, o: Self) -> Self {
+        Self { lo: self.lo.max(o.lo), hi: self.hi.min(o.hi) }
+    }
+
+    /// Whether the box holds no point.
+    #[inline(always)]
+    pub(crate) fn is_empty(self) -> bool {
+        let [x, y, z, _] = self.hi.sub(self.lo).to_array();
+        !(x >= 0.0 && y >= 0.0 && z >= 0.0)
     }
 
     /// Half the surface area; not positive for the empty box.

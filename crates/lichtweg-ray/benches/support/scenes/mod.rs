@@ -1,4 +1,7 @@
-//! Generated scenes.
+//! Scenes to shoot rays at.
+
+pub mod files;
+pub mod stadium;
 
 use lichtweg_ray::math::{Affine, Vec3};
 use lichtweg_ray::{Quadric, QuadricShape};
@@ -13,7 +16,10 @@ pub struct Scene {
     pub balls: Vec<Quadric>,
     pub eye: Vec3,
     pub target: Vec3,
+    /// Middle of the light.
     pub light: Vec3,
+    /// Half the width of the picture at distance one.
+    pub field: f32,
 }
 
 /// A closed sphere of 2 * `n` * `n` triangles (less the poles' halves), displaced by waves.
@@ -42,20 +48,15 @@ pub fn displaced_sphere(n: u32) -> Scene {
             indices.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    Scene {
-        name: "displaced sphere",
-        positions,
-        indices,
-        balls: Vec::new(),
-        eye: Vec3::new(1.2, 2.0, 1.5),
-        target: Vec3::ZERO,
-        light: Vec3::new(-1.0, 3.0, 4.0),
-    }
+    let eye = Vec3::new(1.2, 2.0, 1.5);
+    let scene = Scene::empty("displaced sphere", eye, Vec3::ZERO, Vec3::new(-1.0, 3.0, 4.0));
+    Scene { positions, indices, ..scene }
 }
 
 impl Scene {
     fn empty(name: &'static str, eye: Vec3, target: Vec3, light: Vec3) -> Self {
-        Self { name, positions: Vec::new(), indices: Vec::new(), balls: Vec::new(), eye, target, light }
+        let (positions, indices, balls) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name, positions, indices, balls, eye, target, light, field: 0.5 }
     }
 
     fn quad(&mut self, corner: Vec3, u: Vec3, v: Vec3) {

@@ -1,0 +1,169 @@
+//! From a binary tree to the cheapest wide one (Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal
+//! on GPUs Through Compressed Wide BVHs*, 2017, section 3.1).
+//!
+//! Let C(n, i) be the least cost of a forest of at most i wide nodes or leaves that holds the subtree n. With
+//! the surface area heuristic, children l and r and D(n, j) = min over k of C(l, k) + C(r, j - k),
+//!
+//! C(n, 1) = min(leaf cost of n, D(n, 8) + node cost of n),    C(n, i) = min(D(n, i), C(n, i - 1)).
+//!
+//! Subtrees become leaves where that is cheaper, so that pieces of one triangle may meet again.
+
+use super::tree::{Part, TreeBuilder};
+use crate::bvh::{Block, ChildRef, Node};
+use crate::geometry::Geometry;
+use crate::simd::{QuadBox, WIDTH};
+
+/// Cost of visiting a node, in units of testing a block.
+const NODE_COST: f32 = 0.5;
+
+/// A subtree of the binary tree: the left child follows its parent.
+pub(crate) struct BinaryNode {
+    pub bounds: QuadBox,
+    /// The right child, or zero for a leaf.
+    pub right: u32,
+    /// The references: first and count.
+    pub first: u32,
+    pub count: u32,
+    /// How many of them are no triangles.
+    pub others: u32,
+}
+
+/// A binary tree over references, each named by geometry and primitive index, in depth-first order.
+#[derive(Default)]
+pub(crate) struct Binary {
+    pub nodes: Vec<BinaryNode>,
+    pub names: Vec<(u32, u32)>,
+}
+
+/// What is cheapest for a subtree.
+#[derive(Clone, Copy)]
+struct Best {
+    /// C(n, i + 1).
+    cost: [f32; WIDTH - 1],
+    /// Forests of i + 1 trees: how many go to the left child; zero where fewer trees are cheaper.
+    left: [u8; WIDTH],
+    is_leaf: bool,
+}
+
+/// The wide tree of a part.
+pub(crate) fn collapse(builder: &TreeBuilder, binary: &mut Binary) -> (Part, ChildRef) {
+    let mut best = vec![Best { cost: [0.0; WIDTH - 1], left: [0; WIDTH], is_leaf: true }; binary.nodes.len()];
+    for (i, node) in binary.nodes.iter().enumerate().rev() {
+        best[i] = if node.right == 0 {
+            Best { cost: [leaf_cost(node); WIDTH - 1], ..best[i] }
+        } else {
+            cheapest(node, &best[i + 1].cost, &best[node.right as usize].cost)
+        };
+    }
+    let mut emission = Emission { builder, binary, best: &best, part: Part::default() };
+    let root = emission.child(0);
+    (emission.part, root)
+}
+
+/// Infinite where the references do not fit into one leaf.
+fn leaf_cost(node: &BinaryNode) -> f32 {
+    let items = match node.others {
+        0 => node.count.div_ceil(WIDTH as u32),
+        others if others == node.count => others,
+        _ => u32::MAX,
+    };
+    if items <= ChildRef::MAX_ITEMS as u32 { node.bounds.half_area() * items as f32 } else { f32::INFINITY }
+}
+
+fn cheapest(node: &BinaryNode, left: &[f32; WIDTH - 1], right: &[f32; WIDTH - 1]) -> Best {
+    let mut best = Best { cost: [0.0; WIDTH - 1], left: [0; WIDTH], is_leaf: false };
+    // D(n, i + 1) and the share of the left child.
+    let divided = |i: usize| {
+        (1..=i)
+            .map(|k| (left[k - 1] + right[i - k], k as u8))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .expect("i > 0")
+    };
+    let (cost, share) = divided(WIDTH - 1);
+    best.left[WIDTH - 1] = share;
+    let inner = cost + NODE_COST * node.bounds.half_area();
+    let leaf = leaf_cost(node);
+    best.is_leaf = leaf <= inner;
+    best.cost[0] = leaf.min(inner);
+    for i in 1..WIDTH - 1 {
+        let (cost, share) = divided(i);
+        if cost < best.cost[i - 1] {
+            (best.cost[i], best.left[i]) = (cost, share);
+        } else {
+            best.cost[i] = best.cost[i - 1];
+        }
+    }
+    best
+}
+
+struct Emission<'a> {
+    builder: &'a TreeBuilder<'a>,
+    binary: &'a mut Binary,
+    best: &'a [Best],
+    part: Part,
+}
+
+impl Emission<'_> {
+    fn child(&mut self, n: usize) -> ChildRef {
+        if self.best[n].is_leaf {
+            return self.leaf(n);
+        }
+        let index = self.part.nodes.len();
+        self.part.nodes.push(Node::EMPTY);
+        let mut children = Vec::with_capacity(WIDTH);
+        self.gather(n, WIDTH, &mut children);
+        let area = |n: usize| self.binary.nodes[n].bounds.half_area();
+        children.sort_by(|&a, &b| area(b).total_cmp(&area(a)));
+        let mut node = Node::EMPTY;
+        for (slot, c) in children.into_iter().enumerate() {
+            let bounds = self.binary.nodes[c].bounds.to_bounds();
+            node.set(slot, &bounds, self.child(c));
+        }
+        self.part.nodes[index] = node;
+        ChildRef::inner(index)
+    }
+
+    /// The roots of the cheapest forest of at most `trees` trees.
+    fn gather(&self, n: usize, trees: usize, out: &mut Vec<usize>) {
+        if trees == 1 {
+            return out.push(n);
+        }
+        match usize::from(self.best[n].left[trees - 1]) {
+            0 => self.gather(n, trees - 1, out),
+            left => {
+                self.gather(n + 1, left, out);
+                self.gather(self.binary.nodes[n].right as usize, trees - left, out);
+            }
+        }
+    }
+
+    fn leaf(&mut self, n: usize) -> ChildRef {
+        let BinaryNode { first, count, others, .. } = self.binary.nodes[n];
+        let range = first as usize..(first + count) as usize;
+        let names = &mut self.binary.names[range];
+        names.sort_unstable();
+        if others != 0 {
+            let first = self.part.others.len();
+            self.part.others.extend(names.iter().map(|(_, primitive)| primitive));
+            return ChildRef::others(first, names.len());
+        }
+        let (first, mut lane) = (self.part.blocks.len(), WIDTH);
+        for (i, &(geometry, primitive)) in names.iter().enumerate() {
+            if i > 0 && names[i - 1] == names[i] {
+                continue;
+            }
+            if lane == WIDTH {
+                self.part.blocks.push(Block::EMPTY);
+                lane = 0;
+            }
+            if let (Geometry::Triangles(mesh), Some(block)) =
+                (&self.builder.geometries[geometry as usize], self.part.blocks.last_mut())
+            {
+                let id = self.builder.numbering.number(geometry, primitive);
+                block.set(lane, mesh.corners(primitive), id);
+                lane += 1;
+            }
+        }
+        ChildRef::triangles(first, self.part.blocks.len() - first)
+    }
+}
