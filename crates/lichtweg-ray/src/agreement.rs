@@ -143,7 +143,7 @@ fn assert_independent_of_threads(quality: BuildQuality) {
 fn pieces_are_bounded() {
     let references = |quality: BuildQuality| {
         let mut random = Random(4);
-        let mut geometries = scene(&mut random, 1000);
+        let mut geometries = still(&mut random, 1000);
         // Long triangles across everything, which are worth cutting.
         let long: Vec<_> = (0..3000).map(|_| random.point() * 4.0).collect();
         let indices: Vec<[u32; 3]> = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
