@@ -20,6 +20,7 @@ mod accel;
 mod agreement;
 mod build;
 mod bvh;
+mod curve;
 mod geometry;
 pub mod math;
 mod memory;
@@ -29,6 +30,7 @@ mod simd;
 mod triangle;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildReport};
+pub use curve::{CurveBasis, CurveError, CurvePoint, CurveStyle, CurveSurface, Curves};
 pub use geometry::{Geometry, TriangleMesh};
 pub use quadric::{Quadric, QuadricShape};
 pub use ray::{Hit, Ray};
