@@ -3,12 +3,13 @@
 use std::time::Instant;
 
 use crate::build;
-use crate::bvh::{self, Bvh, Others};
+use crate::bvh::{self, Bvh};
 use crate::geometry::Geometry;
+use crate::kind::{Item, Kind};
 use crate::math::Bounds3;
-use crate::quadric::PlacedQuadric;
-use crate::ray::{Hit, Ray};
+use crate::ray::{Accept, Hit, Ray};
 use crate::simd::Isa;
+use crate::triangle::TriangleHit;
 
 /// How to build.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,44 +78,82 @@ pub enum BuildError {
 #[derive(Debug)]
 pub struct Accel {
     geometries: Vec<Geometry>,
-    quadrics: Vec<PlacedQuadric>,
+    /// One a geometry.
+    pub(crate) kinds: Vec<Kind>,
+    /// What leaves of other primitives refer to.
+    pub(crate) items: Vec<Item>,
     pub(crate) bvh: Bvh,
     pub(crate) isa: Isa,
+    /// One a geometry, or none where no mask was set.
+    masks: Vec<u32>,
+    /// The bits that all masks have.
+    common_mask: u32,
     bounds: Bounds3,
     report: BuildReport,
 }
 
 impl Accel {
     /// Builds the structure on rayon's current thread pool; the result does not depend on its size.
-    /// Triangles that are not finite, beyond 2^40 or without area are dropped and counted.
+    /// Primitives that are not finite, beyond 2^40 or without area are dropped and counted.
     pub fn build(geometries: Vec<Geometry>, _options: BuildOptions) -> Result<Self, BuildError> {
         let start = Instant::now();
         let mut census = build::census(&geometries)?;
         let bvh = build::build(&geometries, &mut census)?;
+        let items: Vec<Item> = bvh.others.iter().map(|&i| census.items[i as usize]).collect();
+        let kinds = census.kinds;
         let report = BuildReport {
-            triangles: census.triangles,
-            quadrics: census.quadrics.len(),
-            dropped_degenerate: census.dropped_degenerate,
-            dropped_non_finite: census.dropped_non_finite,
             nodes: bvh.nodes.len(),
-            bytes: bvh.bytes(),
+            bytes: bvh.bytes() + size_of_val(&*items) + size_of_val(&*kinds),
             seconds: start.elapsed().as_secs_f64(),
+            ..census.report
         };
-        let (bounds, quadrics) = (census.bounds, census.quadrics);
-        Ok(Self { geometries, quadrics, bvh, isa: Isa::best(), bounds, report })
+        Ok(Self {
+            geometries,
+            kinds,
+            items,
+            bvh,
+            isa: Isa::best(),
+            masks: Vec::new(),
+            common_mask: u32::MAX,
+            bounds: census.bounds,
+            report,
+        })
     }
 
     /// The nearest hit with `tnear < t <= tfar`; of equally near ones that of the lowest geometry and
     /// primitive. Rays that are not finite (but for `tfar`) or have no direction hit nothing.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        bvh::closest(self.isa, &self.bvh, &self.others(), ray)
+        self.closest_as(self.isa, ray, None)
     }
 
     /// Whether anything lies at `tnear < t <= tfar`.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        bvh::occluded(self.isa, &self.bvh, &self.others(), ray)
+        self.occluded_as(self.isa, ray, None)
+    }
+
+    /// As [`Accel::closest`], among the hits that `accept` lets count: for textures with holes. It may be asked
+    /// about hits in any order, also about some that are not the nearest, and must always answer alike.
+    #[inline]
+    pub fn closest_filtered(&self, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {
+        self.closest_as(self.isa, ray, Some(&accept))
+    }
+
+    /// As [`Accel::occluded`], among the hits that `accept` lets count.
+    #[inline]
+    pub fn occluded_filtered(&self, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> bool {
+        self.occluded_as(self.isa, ray, Some(&accept))
+    }
+
+    /// Gives a geometry a mask: only rays with a common bit in theirs meet it. All bits are set before.
+    ///
+    /// # Panics
+    /// Where there is no such geometry.
+    pub fn set_mask(&mut self, geometry: u32, mask: u32) {
+        self.masks.resize(self.geometries.len(), u32::MAX);
+        self.masks[geometry as usize] = mask;
+        self.common_mask = self.masks.iter().fold(u32::MAX, |all, m| all & m);
     }
 
     /// The box around everything that can be hit; empty for an empty scene.
@@ -132,8 +171,36 @@ impl Accel {
         &self.report
     }
 
+    /// The nearest hit, found with an instruction set; the plain query where nothing is to be filtered.
     #[inline(always)]
-    fn others(&self) -> Others<'_> {
-        Others { quadrics: &self.quadrics }
+    pub(crate) fn closest_as(&self, isa: Isa, ray: &Ray, accept: Option<Accept>) -> Option<Hit> {
+        if accept.is_none() && ray.mask & self.common_mask != 0 {
+            bvh::closest(isa, self, ray)
+        } else {
+            bvh::closest_filtered(isa, self, ray, accept)
+        }
+    }
+
+    /// Whether there is a hit, as [`Accel::closest_as`].
+    #[inline(always)]
+    pub(crate) fn occluded_as(&self, isa: Isa, ray: &Ray, accept: Option<Accept>) -> bool {
+        if accept.is_none() && ray.mask & self.common_mask != 0 {
+            bvh::occluded(isa, self, ray)
+        } else {
+            bvh::occluded_filtered(isa, self, ray, accept)
+        }
+    }
+
+    /// Whether a ray with a mask meets a geometry.
+    #[inline]
+    pub(crate) fn is_seen(&self, mask: u32, geometry: u32) -> bool {
+        mask & self.masks.get(geometry as usize).copied().unwrap_or(u32::MAX) != 0
+    }
+
+    /// Whether a triangle's hit counts.
+    pub(crate) fn accepts(&self, ray: &Ray, h: TriangleHit, id: u32, accept: Option<Accept>) -> bool {
+        let (geometry, primitive) = self.bvh.numbering.locate(id);
+        self.is_seen(ray.mask, geometry)
+            && accept.is_none_or(|accept| accept(&Hit::plain(h.t, h.u, h.v, geometry, primitive)))
     }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::kind::Quadric;
 use crate::math::Vec3;
-use crate::quadric::Quadric;
 
 /// An indexed triangle mesh. Clones share their arrays.
 #[derive(Clone, Debug)]

@@ -108,6 +108,12 @@ impl<V: Lanes> WideShear<V> {
         }
     }
 
+    /// The shear itself.
+    #[inline(always)]
+    pub(crate) fn scalar(&self) -> Shear {
+        self.shear
+    }
+
     /// The range's end, as [`WideShear::intersect`] wants it.
     #[inline(always)]
     pub(crate) fn end(&self, tfar: f32) -> End<V> {

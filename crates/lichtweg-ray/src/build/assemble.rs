@@ -21,7 +21,7 @@ pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh,
         ChildRef::NOTHING
     } else {
         let builder =
-            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.quadrics.is_empty() };
+            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.items.is_empty() };
         let built = builder.build(primitives);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)

@@ -4,8 +4,9 @@ use std::mem::MaybeUninit;
 
 use super::layout::{Block, Bvh, ChildRef, Node};
 use super::slab::{Slab, prepare};
-use crate::quadric::PlacedQuadric;
-use crate::ray::{Hit, Ray};
+use crate::accel::Accel;
+use crate::kind::{self, Probe};
+use crate::ray::{Accept, Hit, Ray};
 use crate::simd::{Lanes, WIDTH};
 use crate::triangle::{BlockHits, TriangleHit, WideShear};
 
@@ -72,11 +73,6 @@ impl Stack {
     }
 }
 
-/// The primitives that are no triangles.
-pub(crate) struct Others<'a> {
-    pub quadrics: &'a [PlacedQuadric],
-}
-
 /// The nearest hit so far.
 struct Best {
     t: f32,
@@ -84,72 +80,92 @@ struct Best {
     v: f32,
     /// Running number of the primitive.
     id: u32,
-    /// Index of the quadric, or none of them.
-    quadric: u32,
 }
 
 impl Best {
     const NOTHING: u32 = u32::MAX;
 
     fn none(tfar: f32) -> Self {
-        Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING, quadric: Self::NOTHING }
+        Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING }
     }
 
-    /// Takes a hit with `t <= self.t`; of equally near ones the lowest number wins, and nothing has
-    /// the highest.
+    /// Takes a hit with `t <= self.t`, if it is the better one: of equally near ones the lowest number wins, and
+    /// nothing has the highest.
     #[inline(always)]
-    fn consider(&mut self, hit: TriangleHit, id: u32, quadric: u32) {
-        if hit.t < self.t || id < self.id {
-            *self = Self { t: hit.t, u: hit.u, v: hit.v, id, quadric };
+    fn consider(&mut self, hit: TriangleHit, id: u32) -> bool {
+        let better = hit.t < self.t || id < self.id;
+        if better {
+            *self = Self { t: hit.t, u: hit.u, v: hit.v, id };
         }
+        better
     }
 }
 
-/// The nearest hit, or with `ANY` an arbitrary one, of which only the existence means something.
+/// The nearest hit, or with `ANY` an arbitrary one, of which only the existence means something. With `FILTERED`
+/// hits count only where masks and `accept` let them; without, neither is looked at.
 #[inline(always)]
-pub(crate) fn traverse<V: Lanes, const ANY: bool>(bvh: &Bvh, others: &Others, ray: &Ray) -> Option<Hit> {
+pub(crate) fn traverse<V: Lanes, const ANY: bool, const FILTERED: bool>(
+    accel: &Accel,
+    ray: &Ray,
+    accept: Option<Accept>,
+) -> Option<Hit> {
+    let bvh = &accel.bvh;
     let (slab, shear, tfar) = prepare::<V>(ray, bvh.reach)?;
-    let tnear = shear.tnear;
     let shear = WideShear::<V>::new(&shear);
     let mut best = Best::none(tfar);
+    // The hit of `best`, where that is no triangle of a block.
+    let mut other = Hit::NONE;
+    let mut other_id = Best::NOTHING;
     let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
     let base = entries.as_mut_ptr().cast();
     let mut stack = Stack { top: base, base };
     let mut current = bvh.root;
     loop {
-        let event = go::<V, ANY>(bvh, &slab, &shear, &mut best, &mut stack, current);
-        match event {
-            Event::Done => return finish(bvh, others, ray, &best),
-            Event::Found => return Some(HIT_SOMETHING),
-            Event::Doubt(block) => {
+        match go::<V, ANY, FILTERED>(bvh, &slab, &shear, &mut best, &mut stack, current) {
+            Event::Done => break,
+            Event::Found => return Some(Hit::NONE),
+            Event::Block(index) => {
+                let block = &bvh.blocks[index];
                 for lane in 0..WIDTH {
-                    let hit = shear.settle(&bvh.blocks[block], lane, best.t);
-                    if let Some(h) = hit {
-                        if ANY {
-                            return Some(HIT_SOMETHING);
-                        }
-                        best.consider(h, bvh.blocks[block].ids[lane], Best::NOTHING);
+                    let Some(h) = shear.settle(block, lane, best.t) else { continue };
+                    if FILTERED && !accel.accepts(ray, h, block.ids[lane], accept) {
+                        continue;
                     }
+                    if ANY {
+                        return Some(Hit::NONE);
+                    }
+                    best.consider(h, block.ids[lane]);
                 }
             }
             Event::Others(leaf) => {
-                let (begin, count) = leaf.leaf();
-                for &quadric in &bvh.others[begin..begin + count] {
-                    let placed = &others.quadrics[quadric as usize];
-                    if let Some(t) = placed.intersect(ray, tnear, best.t) {
-                        if ANY {
-                            return Some(HIT_SOMETHING);
-                        }
-                        best.consider(TriangleHit { t, u: 0.0, v: 0.0 }, placed.id, quadric);
+                let probe = Probe { ray, isa: V::ISA, shear: shear.scalar() };
+                let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, &probe, best.t, accept);
+                if let Some((hit, id)) = nearest {
+                    if ANY {
+                        return Some(Hit::NONE);
+                    }
+                    if best.consider(TriangleHit { t: hit.t, u: hit.u, v: hit.v }, id) {
+                        (other, other_id) = (hit, id);
                     }
                 }
             }
         }
         match stack.pop(best.t) {
             Some(next) => current = next,
-            None => return finish(bvh, others, ray, &best),
+            None => break,
         }
     }
+    if best.id == Best::NOTHING {
+        return None;
+    }
+    if best.id == other_id && other.is_instanced() {
+        return Some(other);
+    }
+    if best.id == other_id {
+        return Some(accel.kinds[other.geometry as usize].completed(ray, other));
+    }
+    let (geometry, primitive) = bvh.numbering.locate(best.id);
+    Some(Hit::plain(best.t, best.u, best.v, geometry, primitive))
 }
 
 /// Why the fast loop stops.
@@ -158,15 +174,15 @@ enum Event {
     Done,
     /// Any hit was wanted and one was found.
     Found,
-    /// A block has triangles that need the slow test.
-    Doubt(usize),
+    /// A block has triangles that need the slow test, or hits that need to be accepted.
+    Block(usize),
     /// A leaf of other primitives.
     Others(ChildRef),
 }
 
 /// The fast loop. It calls no function, so that its constants stay in registers.
 #[inline(always)]
-fn go<V: Lanes, const ANY: bool>(
+fn go<V: Lanes, const ANY: bool, const FILTERED: bool>(
     bvh: &Bvh,
     slab: &Slab<V>,
     shear: &WideShear<V>,
@@ -267,12 +283,12 @@ fn go<V: Lanes, const ANY: bool>(
             let block = unsafe { bvh.blocks.get_unchecked(index) };
             let hits = shear.intersect(block, &end);
             if hits.mask != 0 {
-                if hits.doubt {
+                if FILTERED || hits.doubt {
                     let rest = begin + count - index - 1;
                     if rest != 0 {
                         stack.push(pack(0.0, ChildRef::triangles(index + 1, rest)));
                     }
-                    return Event::Doubt(index);
+                    return Event::Block(index);
                 }
                 if ANY {
                     return Event::Found;
@@ -312,8 +328,6 @@ fn in_order(a: u64, b: u64) -> (u64, u64) {
     (a.min(b), a.max(b))
 }
 
-const HIT_SOMETHING: Hit = Hit { t: 0.0, u: 0.0, v: 0.0, geometry: 0, primitive: 0 };
-
 #[inline(always)]
 fn child(node: &Node, slot: usize) -> ChildRef {
     // SAFETY: slots come from masks of eight lanes.
@@ -334,19 +348,5 @@ fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: &Block) {
             nearest = lane;
         }
     }
-    best.consider(hits.lane(nearest), block.ids[nearest], Best::NOTHING);
-}
-
-/// Names what was hit.
-#[inline(always)]
-fn finish(bvh: &Bvh, others: &Others, ray: &Ray, best: &Best) -> Option<Hit> {
-    if best.id == Best::NOTHING {
-        return None;
-    }
-    let (geometry, primitive) = bvh.numbering.locate(best.id);
-    let (mut u, mut v) = (best.u, best.v);
-    if best.quadric != Best::NOTHING {
-        (u, v) = others.quadrics[best.quadric as usize].parameters(ray, best.t);
-    }
-    Some(Hit { t: best.t, u, v, geometry, primitive })
+    best.consider(hits.lane(nearest), block.ids[nearest]);
 }

@@ -66,6 +66,8 @@ impl Isa {
 /// Implementors that use intrinsics may be touched only below a dispatch that has detected the
 /// instruction set; the module boundary keeps that promise, hence the methods are not `unsafe`.
 pub(crate) trait Lanes: Copy {
+    /// Which one this is.
+    const ISA: Isa;
     /// One truth value a lane.
     type Mask: Copy;
 
