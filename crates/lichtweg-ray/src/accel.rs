@@ -24,9 +24,11 @@ pub struct BuildReport {
     pub triangles: usize,
     /// Quadrics in the structure.
     pub quadrics: usize,
-    /// Triangles left out because they have no area.
+    /// Segments of curves in the structure.
+    pub curve_segments: usize,
+    /// Primitives left out because they have no area.
     pub dropped_degenerate: usize,
-    /// Triangles left out because a corner is NaN or infinite.
+    /// Primitives left out because a coordinate is NaN, infinite or beyond 2^40, or a radius negative.
     pub dropped_non_finite: usize,
     /// Inner nodes.
     pub nodes: usize,

@@ -2,7 +2,10 @@
 
 use crate::math::{Affine, Vec3};
 use crate::simd::Isa;
-use crate::{Accel, BuildOptions, Geometry, Quadric, QuadricShape, Ray, TriangleMesh};
+use crate::{
+    Accel, BuildOptions, CurveBasis, CurvePoint, CurveStyle, Curves, Geometry, Quadric, QuadricShape, Ray,
+    TriangleMesh,
+};
 
 /// A linear congruential generator (Knuth's MMIX constants), values in [-1, 1).
 struct Random(u64);
@@ -18,7 +21,7 @@ impl Random {
     }
 }
 
-/// Triangles on and off a coarse grid, and a few quadrics.
+/// Triangles on and off a coarse grid, a few quadrics, and hairs.
 fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
     let mut positions = Vec::new();
     for i in 0..triangles {
@@ -34,6 +37,11 @@ fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
         let object_to_world = Affine::translation(at.x.into(), at.y.into(), at.z.into())
             .after(&Affine::scaling(0.05, 0.08, 0.03));
         all.push(Quadric { shape: QuadricShape::SPHERE, object_to_world }.into());
+    }
+    for style in [CurveStyle::Round, CurveStyle::Flat] {
+        let point = |_| CurvePoint { position: random.point(), radius: 0.02 + 0.01 * random.next() };
+        let points: Vec<CurvePoint> = (0..60).map(point).collect();
+        all.push(Curves::new(style, CurveBasis::BSpline, points, &[30, 30], &[]).unwrap().into());
     }
     all
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::curve::Curves;
 use crate::kind::Quadric;
 use crate::math::Vec3;
 
@@ -35,6 +36,8 @@ pub enum Geometry {
     Triangles(TriangleMesh),
     /// A quadric under an affine map.
     Quadric(Quadric),
+    /// Curves; a primitive is a segment.
+    Curves(Curves),
 }
 
 impl Geometry {
@@ -43,6 +46,7 @@ impl Geometry {
         match self {
             Self::Triangles(mesh) => mesh.indices.len(),
             Self::Quadric(_) => 1,
+            Self::Curves(curves) => curves.segment_count(),
         }
     }
 }
@@ -56,5 +60,11 @@ impl From<TriangleMesh> for Geometry {
 impl From<Quadric> for Geometry {
     fn from(quadric: Quadric) -> Self {
         Self::Quadric(quadric)
+    }
+}
+
+impl From<Curves> for Geometry {
+    fn from(curves: Curves) -> Self {
+        Self::Curves(curves)
     }
 }

@@ -7,6 +7,7 @@ use super::bezier::{Bezier, Point4};
 use super::pieces::{Cut, FAN, Piece};
 use super::ray_space::RaySpace;
 use super::ribbon::Rung;
+use super::round::Entry;
 use super::{CurveStyle, Curves, flat, ribbon, round};
 
 /// Slack of the first look, for rounding.
@@ -18,8 +19,6 @@ pub(crate) struct CurveHit {
     pub t: f32,
     /// Along the segment.
     pub u: f32,
-    /// Across it.
-    pub v: f32,
 }
 
 /// A piece in a ray's frame.
@@ -89,36 +88,14 @@ impl Search<'_> {
         let found = match self.curves.style {
             CurveStyle::Round => round::enter(a, b).filter(|e| !self.is_within_tube(chord, *e)),
             CurveStyle::Flat => flat::meet(a, b, self.cuts(chord)),
-            CurveStyle::Ribbon => {
-                let crossing = ribbon::meet(&self.rung(chord, a), &self.rung(chord + 1, b));
-                if let Some(c) = crossing {
-                    self.offer(c.z, self.parameter(chord, c.s), |_| c.v);
-                }
-                None
-            }
+            CurveStyle::Ribbon => ribbon::meet(&self.rung(chord, a), &self.rung(chord + 1, b)),
         };
-        if let Some(entry) = found {
-            let u = self.parameter(chord, entry.s);
-            let axis = std::array::from_fn(|i| a[i] * (1.0 - entry.s) + b[i] * entry.s);
-            self.offer(entry.z, u, |search| search.side(&axis, u));
-        }
-    }
-
-    /// Takes a hit if it is the nearest.
-    #[inline(always)]
-    fn offer(&mut self, z: f64, u: f64, v: impl FnOnce(&Self) -> f64) {
+        let Some(Entry { z, s }) = found else { return };
         let t = self.space.parameter(z);
         let nearer = self.best.map_or(t <= self.tfar, |best| t < best.t);
         if nearer && t > self.tnear {
-            self.best = Some(CurveHit { t, u: u as f32, v: v(self).clamp(0.0, 1.0) as f32 });
+            self.best = Some(CurveHit { t, u: self.parameter(chord, s) as f32 });
         }
-    }
-
-    /// On which side of the axis a ray passes: 0 and 1 at the silhouettes.
-    fn side(&self, [x, y, _, r]: &Point4, u: f64) -> f64 {
-        let [dx, dy, ..] = self.cubic.derivative(u);
-        let offset = (dy * x - dx * y) / (dx.hypot(dy) * r);
-        if offset.is_finite() { 0.5 + 0.5 * offset } else { 0.5 }
     }
 
     fn parameter(&self, chord: u32, s: f64) -> f64 {
@@ -130,7 +107,7 @@ impl Search<'_> {
     }
 
     /// Whether an entry through the ball at a joint of chords lies within the next chord's cone.
-    fn is_within_tube(&self, chord: u32, entry: round::Entry) -> bool {
+    fn is_within_tube(&self, chord: u32, entry: Entry) -> bool {
         let neighbour = match entry.s {
             0.0 if chord > 0 => Some([self.vertex(chord), self.vertex(chord - 1)]),
             0.0 => self.curves.previous(self.segment).map(|s| self.end_chord(s, 1.0)),

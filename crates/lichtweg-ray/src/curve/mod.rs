@@ -29,8 +29,7 @@ mod tests;
 use std::sync::Arc;
 
 use crate::math::Vec3;
-pub(crate) use intersect::CurveHit;
-pub(crate) use pieces::{Piece, pieces};
+pub(crate) use pieces::{Piece, Unusable, pieces};
 pub(crate) use ray_space::RaySpace;
 pub use surface::CurveSurface;
 

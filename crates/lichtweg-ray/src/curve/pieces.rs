@@ -104,7 +104,8 @@ impl Piece {
     }
 
     /// Exact bounds of the balls about the ends of the chords, rounded outwards; all styles are within.
-    fn bounds(self, cubic: &Bezier) -> Bounds3 {
+    pub(crate) fn bounds(self, curves: &Curves) -> Bounds3 {
+        let cubic = Bezier::new(curves, self.segment, |p| p);
         let (first, own, all) = self.chords();
         let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for vertex in first..=first + own {
@@ -121,11 +122,8 @@ impl Piece {
     }
 }
 
-/// The pieces of a segment and their boxes, in order.
-pub(crate) fn pieces(
-    curves: &Curves,
-    segment: u32,
-) -> Result<impl Iterator<Item = (Piece, Bounds3)>, Unusable> {
+/// The pieces of a segment, in order.
+pub(crate) fn pieces(curves: &Curves, segment: u32) -> Result<impl Iterator<Item = Piece>, Unusable> {
     let control = curves.control(segment);
     let in_range = |x: f32| x.abs() <= MAX_COORDINATE;
     let sound = |p: &CurvePoint| {
@@ -139,11 +137,7 @@ pub(crate) fn pieces(
         return Err(Unusable::Thin);
     }
     let cut = Cut::of(curves, segment);
-    let cubic = Bezier::new(curves, segment, |p| p);
-    Ok((0..u16::from(cut.pieces)).map(move |index| {
-        let piece = Piece { segment, index, cut };
-        (piece, piece.bounds(&cubic))
-    }))
+    Ok((0..u16::from(cut.pieces)).map(move |index| Piece { segment, index, cut }))
 }
 
 /// Whether a ribbon has no normals that would give it a width.

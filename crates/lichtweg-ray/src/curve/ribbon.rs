@@ -4,18 +4,11 @@
 //! as inside, so that rays do not slip between the triangles of a band.
 
 use super::bezier::Point4;
+use super::round::Entry;
 use crate::math::Vec3;
 
 /// A ribbon's edges at one place along it: v = 0 and v = 1.
 pub(crate) type Rung = [[f64; 3]; 2];
-
-/// Where the z axis meets a chord: distance, part of the chord, and position across.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Crossing {
-    pub z: f64,
-    pub s: f64,
-    pub v: f64,
-}
 
 /// The normal at `u` between two unit normals: along the great circle, or where they are opposite or missing straight.
 pub(crate) fn normal([n0, n1]: [Vec3; 2], u: f64) -> [f64; 3] {
@@ -42,10 +35,9 @@ pub(crate) fn rung(point: &Point4, across: [f64; 3]) -> Rung {
 }
 
 /// Where the z axis meets the band between two rungs.
-pub(crate) fn meet(begin: &Rung, end: &Rung) -> Option<Crossing> {
-    let lower =
-        triangle([&begin[0], &begin[1], &end[1]]).map(|([_, b, c], z)| Crossing { z, s: c, v: b + c });
-    let upper = triangle([&begin[0], &end[1], &end[0]]).map(|([_, b, c], z)| Crossing { z, s: b + c, v: b });
+pub(crate) fn meet(begin: &Rung, end: &Rung) -> Option<Entry> {
+    let lower = triangle([&begin[0], &begin[1], &end[1]]).map(|([_, _, c], z)| Entry { z, s: c });
+    let upper = triangle([&begin[0], &end[1], &end[0]]).map(|([_, b, c], z)| Entry { z, s: b + c });
     match (lower, upper) {
         (Some(l), Some(u)) => Some(if u.z < l.z { u } else { l }),
         (l, u) => l.or(u),

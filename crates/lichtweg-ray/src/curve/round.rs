@@ -16,7 +16,7 @@ const BLUNT: f64 = 1e-10;
 /// How deep, in squared radii, a point must be inside a neighbour to count as hidden by it.
 const HIDDEN: f64 = 1e-6;
 
-/// Where the z axis enters a chord: distance and contact, 0 or 1 for the balls at the ends.
+/// Where the z axis meets a chord: distance and part of the chord, for balls 0 or 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
     pub z: f64,

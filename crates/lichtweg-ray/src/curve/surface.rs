@@ -8,7 +8,7 @@ use super::bezier::{Bezier, Point4};
 use super::intersect::rung;
 use super::pieces::Cut;
 use super::ray_space::RaySpace;
-use super::{CurveBasis, CurveStyle, Curves, ribbon};
+use super::{CurveBasis, CurvePoint, CurveStyle, Curves, ribbon};
 use crate::math::Vec3;
 use crate::ray::Ray;
 
@@ -30,52 +30,131 @@ pub struct CurveSurface {
     pub radius: f32,
 }
 
-impl Curves {
-    /// The point of a hit of `ray`, from the segment and the parameters that the hit names.
-    pub fn surface(&self, ray: &Ray, segment: u32, u: f32, v: f32) -> CurveSurface {
+/// A place along a segment, in a ray's frame.
+struct Place<'a> {
+    curves: &'a Curves,
+    segment: u32,
+    space: RaySpace,
+    cubic: Bezier,
+    u: f64,
+    /// The u of the ends of the chord, and their points.
+    ends: [(f64, Point4); 2],
+    /// The point of the chord.
+    axis: Point4,
+    /// Derivative of the cubic.
+    tangent: [f64; 3],
+    /// Derivative of the radius.
+    slope: f64,
+}
+
+impl<'a> Place<'a> {
+    fn new(curves: &'a Curves, ray: &Ray, segment: u32, u: f32) -> Self {
         let space = RaySpace::new(ray);
-        let cubic = Bezier::new(self, segment, |p| space.point(p));
-        let chords = f64::from(Cut::of(self, segment).chords());
+        let cubic = Bezier::new(curves, segment, |p| space.point(p));
+        let chords = f64::from(Cut::of(curves, segment).chords());
         let u = f64::from(u.clamp(0.0, 1.0));
         let begin = (u * chords).floor().min(chords - 1.0);
-        let (a, b) = (cubic.at(begin / chords), cubic.at((begin + 1.0) / chords));
+        let ends = [begin, begin + 1.0].map(|i| (i / chords, cubic.at(i / chords)));
         let s = u * chords - begin;
-        let axis: Point4 = std::array::from_fn(|i| a[i] * (1.0 - s) + b[i] * s);
-        let [tx, ty, tz, slope] = cubic.derivative(u);
-        let tangent = [tx, ty, tz];
-        let chord = unit([b[0] - a[0], b[1] - a[1], b[2] - a[2]]).or(unit(tangent));
-        let radius = axis[3];
+        let axis = std::array::from_fn(|i| ends[0].1[i] * (1.0 - s) + ends[1].1[i] * s);
+        let [x, y, z, slope] = cubic.derivative(u);
+        Self { curves, segment, space, cubic, u, ends, axis, tangent: [x, y, z], slope }
+    }
+
+    fn center(&self) -> [f64; 3] {
+        [self.axis[0], self.axis[1], self.axis[2]]
+    }
+
+    fn radius(&self) -> f64 {
+        self.axis[3]
+    }
+
+    /// Unit vector along the chord.
+    fn chord(&self) -> Option<[f64; 3]> {
+        let [(_, a), (_, b)] = &self.ends;
+        unit([b[0] - a[0], b[1] - a[1], b[2] - a[2]]).or(unit(self.tangent))
+    }
+
+    /// The normal of a ribbon, as it is given.
+    fn given_normal(&self) -> [f64; 3] {
+        self.space.vector(ribbon::normal(self.curves.end_normals(self.segment), self.u))
+    }
+
+    /// The unit vector across a band.
+    fn across(&self) -> [f64; 3] {
+        let [x, y, _] = self.tangent;
+        match self.curves.style {
+            CurveStyle::Ribbon => ribbon::across(self.given_normal(), self.tangent),
+            _ => unit([-y, x, 0.0]).unwrap_or([0.0; 3]),
+        }
+    }
+
+    /// Where the ray passes between the edges of a band, 0 and 1, as seen along the ray.
+    fn v(&self) -> f64 {
+        let [x, y, _, r] = self.axis;
+        let [dx, dy, _] = self.tangent;
+        let [bx, by, _] = self.across();
+        let side = (dy * x - dx * y) / (r * (dx * by - dy * bx));
+        if side.is_finite() { (0.5 + 0.5 * side).clamp(0.0, 1.0) } else { 0.5 }
+    }
+
+    /// The point where the ray meets the ribbon's triangles.
+    fn ribbon_point(&self) -> [f64; 3] {
+        let [begin, end] =
+            self.ends.map(|(u, point)| rung(self.curves, self.segment, &self.space, &self.cubic, u, &point));
+        match ribbon::meet(&begin, &end) {
+            Some(crossing) => [0.0, 0.0, crossing.z],
+            None => add(self.center(), self.across(), (2.0 * self.v() - 1.0) * self.radius()),
+        }
+    }
+}
+
+impl Curves {
+    /// The axis and the radius at `u` of a segment; on the cubic itself.
+    ///
+    /// # Panics
+    /// Where there is no such segment.
+    pub fn axis(&self, segment: u32, u: f32) -> CurvePoint {
+        let [x, y, z, radius] = Bezier::new(self, segment, |p| p).at(u.into()).map(|x| x as f32);
+        CurvePoint { position: Vec3::new(x, y, z), radius }
+    }
+
+    /// The second parameter of a hit of `ray` at `u` of a segment: from 0 to 1 across the curve as the ray sees it.
+    pub(crate) fn across(&self, ray: &Ray, segment: u32, u: f32) -> f32 {
+        Place::new(self, ray, segment, u).v() as f32
+    }
+
+    /// The point of a hit of `ray`, from the segment and the u that the hit names.
+    ///
+    /// # Panics
+    /// Where there is no such segment.
+    pub fn surface(&self, ray: &Ray, segment: u32, u: f32) -> CurveSurface {
+        let place = Place::new(self, ray, segment, u);
+        let (tangent, radius) = (place.tangent, place.radius());
+        let towards_ray = [0.0, 0.0, -1.0];
         let (position, geometric, shading, along, across) = match self.style {
             CurveStyle::Round => {
-                let normal = near_side(&axis);
-                let smooth = if self.is_smooth(segment, u) { cone(normal, tangent, slope) } else { None };
+                let normal = near_side(&place.axis);
+                let smooth = if self.is_smooth(&place) { cone(normal, tangent, place.slope) } else { None };
                 let shading = smooth.unwrap_or(normal);
-                let position = add([axis[0], axis[1], axis[2]], normal, radius);
-                let along = add(tangent, shading, slope);
-                (position, normal, shading, along, cross(tangent, shading))
+                let along = add(tangent, shading, place.slope);
+                (add(place.center(), normal, radius), normal, shading, along, cross(tangent, shading))
             }
             CurveStyle::Flat => {
-                let normal = across_part([0.0, 0.0, -1.0], chord).unwrap_or([0.0, 0.0, -1.0]);
+                let normal = across_part(towards_ray, place.chord()).unwrap_or(towards_ray);
                 let shading = across_part(normal, unit(tangent)).unwrap_or(normal);
-                ([0.0, 0.0, axis[2]], normal, shading, tangent, [-ty, tx, 0.0])
+                ([0.0, 0.0, place.axis[2]], normal, shading, tangent, place.across())
             }
             CurveStyle::Ribbon => {
-                let given = space.vector(ribbon::normal(self.end_normals(segment), u));
-                let across = ribbon::across(given, tangent);
-                let rungs = [(begin, &a), (begin + 1.0, &b)]
-                    .map(|(i, p)| rung(self, segment, &space, &cubic, i / chords, p));
-                let side = (2.0 * f64::from(v) - 1.0) * radius;
-                let position = ribbon::meet(&rungs[0], &rungs[1])
-                    .map_or(add([axis[0], axis[1], axis[2]], across, side), |hit| [0.0, 0.0, hit.z]);
-                let shading = across_part(given, unit(tangent)).unwrap_or([0.0, 0.0, -1.0]);
-                let normal = across_part(shading, chord).unwrap_or(shading);
-                (position, normal, shading, tangent, across)
+                let shading = across_part(place.given_normal(), unit(tangent)).unwrap_or(towards_ray);
+                let normal = across_part(shading, place.chord()).unwrap_or(shading);
+                (place.ribbon_point(), normal, shading, tangent, place.across())
             }
         };
         let across = unit(across).unwrap_or([0.0; 3]).map(|x| x * 2.0 * radius);
-        let vector = |v: [f64; 3]| Vec3::from_array(space.to_world(v).map(|x| x as f32));
+        let vector = |v: [f64; 3]| Vec3::from_array(place.space.to_world(v).map(|x| x as f32));
         CurveSurface {
-            position: Vec3::from_array(space.point_to_world(position).map(|x| x as f32)),
+            position: Vec3::from_array(place.space.point_to_world(position).map(|x| x as f32)),
             geometric_normal: vector(geometric),
             shading_normal: vector(shading),
             along: vector(along),
@@ -84,11 +163,11 @@ impl Curves {
         }
     }
 
-    /// Whether the surface at `u` is a tube about a smooth curve: not a ball at an end or between lines.
-    fn is_smooth(&self, segment: u32, u: f64) -> bool {
-        let ends =
-            (u == 0.0 && self.previous(segment).is_none()) || (u == 1.0 && self.next(segment).is_none());
-        self.basis != CurveBasis::Linear && !ends
+    /// Whether the surface at a place is a tube about a smooth curve: not a ball at an end or between lines.
+    fn is_smooth(&self, place: &Place) -> bool {
+        let first = place.u == 0.0 && self.previous(place.segment).is_none();
+        let last = place.u == 1.0 && self.next(place.segment).is_none();
+        self.basis != CurveBasis::Linear && !first && !last
     }
 }
 

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::bezier::{Bezier, Point4};
 use super::intersect::CurveHit;
-use super::pieces::{Cut, Piece, pieces};
+use super::pieces::{Cut, pieces};
 use super::ray_space::RaySpace;
 use super::{CurveBasis, CurveError, CurvePoint, CurveStyle, Curves, ribbon, round};
 use crate::Ray;
@@ -55,7 +55,8 @@ fn closest(curves: &Curves, ray: &Ray) -> Option<(u32, CurveHit)> {
     let space = RaySpace::new(ray);
     let mut best: Option<(u32, CurveHit)> = None;
     for segment in 0..curves.segment_count() as u32 {
-        for (piece, bounds) in pieces(curves, segment).unwrap() {
+        for piece in pieces(curves, segment).unwrap() {
+            let bounds = piece.bounds(curves);
             let hit = curves.intersect(piece, &space, ray.tnear, ray.tfar);
             if let Some(h) = hit {
                 let slack = Vec3::splat(1e-5);
@@ -218,10 +219,10 @@ proptest! {
             let hit = closest(&curves, &ray);
             prop_assert!(hit.is_some_and(|(_, h)| h.t < 1.001), "missed {p:?}");
             let (s, h) = hit.unwrap();
-            let surface = curves.surface(&ray, s, h.u, h.v);
+            let surface = curves.surface(&ray, s, h.u);
             prop_assert!((surface.position - ray.at(h.t)).length() < 2e-5);
             if s == segment && (f64::from(h.u) - u).abs() < step {
-                prop_assert!((h.t - 1.0).abs() < 1e-3 && (f64::from(h.v) - v).abs() < 0.1, "{h:?} not {u} {v}");
+                prop_assert!((h.t - 1.0).abs() < 1e-3 && (f64::from(curves.across(&ray, s, h.u)) - v).abs() < 0.1, "{h:?} not {u} {v}");
                 prop_assert!(surface.across.normalized().dot(across) > 0.95);
             }
         }
@@ -259,7 +260,7 @@ proptest! {
         let origin = from.try_normalized().unwrap_or(Vec3::X) * 20.0;
         let ray = Ray::new(origin, aim - origin);
         prop_assert!(closest(&round, &ray).is_some());
-        let surface = closest(&round, &ray).map(|(s, h)| (round.surface(&ray, s, h.u, h.v), h)).unwrap();
+        let surface = closest(&round, &ray).map(|(s, h)| (round.surface(&ray, s, h.u), h)).unwrap();
         prop_assert!((surface.0.position - ray.at(surface.1.t)).length() < 2e-5);
         prop_assert!(surface.0.geometric_normal.dot(ray.direction) <= 1e-3);
         let flat = Curves { style: CurveStyle::Flat, ..round.clone() };
@@ -350,7 +351,7 @@ fn points_and_huge_and_tiny_curves_are_hit() {
             let (_, hit) = closest(&curves, &ray).expect("a hit");
             let want = if style == CurveStyle::Flat { 5.0 } else { 5.0 - (1.0_f32 - 0.04).sqrt() };
             assert!((hit.t / size - want).abs() < 0.01, "{hit:?} at size {size}");
-            let surface = curves.surface(&ray, 0, hit.u, hit.v);
+            let surface = curves.surface(&ray, 0, hit.u);
             assert!(surface.position.is_finite() && surface.geometric_normal.is_finite());
         }
     }
@@ -361,12 +362,14 @@ fn bases_agree_on_a_line() {
     let spline: Vec<CurvePoint> = line(0.25);
     let hit = |basis, points: &[CurvePoint]| {
         let curves = Curves::new(CurveStyle::Round, basis, points.to_vec(), &[points.len()], &[]).unwrap();
-        closest(&curves, &Ray::new(Vec3::new(1.4, 3.0, 0.125), Vec3::new(0.0, -1.0, 0.0))).unwrap().1
+        let ray = Ray::new(Vec3::new(1.4, 3.0, 0.125), Vec3::new(0.0, -1.0, 0.0));
+        let (segment, hit) = closest(&curves, &ray).unwrap();
+        (hit, curves.across(&ray, segment, hit.u))
     };
     let (a, b) = (hit(CurveBasis::BSpline, &spline), hit(CurveBasis::Linear, &spline[1..3]));
     let c = hit(CurveBasis::Bezier, &spline);
-    for (h, u) in [(a, 0.4), (b, 0.4), (c, 1.4 / 3.0)] {
+    for ((h, v), u) in [(a, 0.4), (b, 0.4), (c, 1.4 / 3.0)] {
         assert!((h.t - (3.0 - (0.25_f32 * 0.25 - 0.125 * 0.125).sqrt())).abs() < 1e-6);
-        assert!((h.u - u).abs() < 1e-6 && ((h.v - 0.5).abs() - 0.25).abs() < 1e-6, "{h:?}");
+        assert!((h.u - u).abs() < 1e-6 && ((v - 0.5).abs() - 0.25).abs() < 1e-6, "{h:?}");
     }
 }

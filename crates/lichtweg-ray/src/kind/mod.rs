@@ -14,6 +14,7 @@
 //! all orders of traversal rest on this. Boxes must contain the hits that `intersect` reports with the margin that
 //! `bvh::slab` asks for. A kind that uses lanes dispatches on [`Probe::isa`] itself, as `bvh::query` does.
 
+mod curve;
 mod quadric;
 
 pub use quadric::{Quadric, QuadricShape};
@@ -26,6 +27,7 @@ use crate::math::{Bounds3, Vec3};
 use crate::ray::{Accept, Hit, Ray};
 use crate::simd::Isa;
 use crate::triangle::Shear;
+use curve::PreparedCurves;
 use quadric::PlacedQuadric;
 
 /// A geometry made ready for queries.
@@ -34,6 +36,7 @@ pub(crate) enum Kind {
     /// Static triangles: they live in blocks and are not asked here.
     Triangles,
     Quadric(PlacedQuadric),
+    Curves(PreparedCurves),
 }
 
 /// What a leaf of other primitives holds.
@@ -69,6 +72,7 @@ impl Kind {
         Ok(match source {
             Geometry::Triangles(_) => Self::Triangles,
             Geometry::Quadric(quadric) => Self::Quadric(PlacedQuadric::new(geometry, quadric)?),
+            Geometry::Curves(curves) => Self::Curves(PreparedCurves::new(curves)),
         })
     }
 
@@ -77,6 +81,7 @@ impl Kind {
         match self {
             Self::Triangles => Vec::new(),
             Self::Quadric(quadric) => vec![quadric.bounds()],
+            Self::Curves(curves) => curves.boxes(),
         }
     }
 
@@ -85,12 +90,13 @@ impl Kind {
         match self {
             Self::Triangles => report.triangles += items,
             Self::Quadric(_) => report.quadrics += items,
+            Self::Curves(curves) => curves.count(report),
         }
     }
 
     /// The nearest hit of an item with `tnear < t <= tfar`.
     #[inline]
-    fn intersect(&self, _item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
+    fn intersect(&self, item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
         match self {
             Self::Triangles => None,
             // The surface parameters wait until the nearest hit is known: see `completed`.
@@ -98,6 +104,7 @@ impl Kind {
                 let t = quadric.intersect(probe.ray, tnear, tfar)?;
                 Some(Candidate { t, u: 0.0, v: 0.0, primitive: 0 })
             }
+            Self::Curves(curves) => curves.intersect(item, probe, tnear, tfar),
         }
     }
 
@@ -109,6 +116,7 @@ impl Kind {
                 let (u, v) = quadric.parameters(ray, hit.t);
                 Hit { u, v, ..hit }
             }
+            Self::Curves(curves) => curves.completed(ray, hit),
             Self::Triangles => hit,
         }
     }
@@ -118,6 +126,7 @@ impl Kind {
         match self {
             Self::Triangles => Vec3::ZERO,
             Self::Quadric(quadric) => quadric.normal(ray, hit.t),
+            Self::Curves(curves) => curves.normal(ray, hit),
         }
     }
 }
@@ -146,7 +155,7 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
             continue;
         };
         let id = accel.bvh.numbering.number(item.geometry, primitive);
-        if best.is_none_or(|(b, best_id)| hit.t < b.t || id < best_id) {
+        if best.is_none_or(|(b, best_id)| hit.t < b.t || (id, hit.u) < (best_id, b.u)) {
             tfar = hit.t;
             best = Some((hit, id));
         }
