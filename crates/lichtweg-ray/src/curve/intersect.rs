@@ -27,8 +27,8 @@ struct Search<'a> {
     segment: u32,
     space: &'a RaySpace,
     cubic: Bezier,
-    /// Bound on the second derivative, over 8.
-    bend: f64,
+    /// Bound on how far the curve is from a line between neighbouring vertices.
+    deviation: f64,
     /// Chords of the segment.
     chords: u32,
     tnear: f32,
@@ -47,14 +47,10 @@ impl Curves {
     ) -> Option<CurveHit> {
         let cubic = Bezier::new(self, piece.segment, |p| space.point(p));
         let (first, own, chords) = piece.chords();
-        let (segment, bend) = (piece.segment, cubic.bend() / 8.0);
+        let (segment, deviation) = (piece.segment, f64::from(piece.deviation));
         let mut search =
-            Search { curves: self, segment, space, cubic, bend, chords, tnear, tfar, best: None };
-        if own == 1 {
-            search.range(first, 1, &search.vertex(first), &search.vertex(first + 1));
-        } else {
-            search.fan(first, own / FAN);
-        }
+            Search { curves: self, segment, space, cubic, deviation, chords, tnear, tfar, best: None };
+        search.range(first, own, &search.vertex(first), &search.vertex(first + own));
         search.best
     }
 }
@@ -72,8 +68,7 @@ impl Search<'_> {
     /// Looks at the `chords` chords from `first` on, which reach from `a` to `b`.
     #[inline(always)]
     fn range(&mut self, first: u32, chords: u32, a: &Point4, b: &Point4) {
-        let step = f64::from(chords) / f64::from(self.chords);
-        let deviation = if chords > 1 { self.bend * step * step } else { 0.0 };
+        let deviation = if chords > 1 { self.deviation * f64::from(chords * chords) } else { 0.0 };
         if !is_near(a, b, deviation) {
             return;
         }
@@ -155,12 +150,11 @@ pub(super) fn rung(
 /// Whether the ray may pass within the radius of the line from `a` to `b`, or of a curve within `deviation` of it.
 #[inline(always)]
 fn is_near(a: &Point4, b: &Point4, deviation: f64) -> bool {
-    let half = |i: usize| (0.5 * (b[i] - a[i]), 0.5 * (a[i] + b[i]));
-    let ((dx, x), (dy, y)) = (half(0), half(1));
     let radius = (a[3].max(b[3]) + deviation) * SLACK;
-    // Outside of a box about the line, or outside of the circle that holds the line and its radius.
-    let excess = x * x + y * y - dx * dx - dy * dy - radius * radius;
+    let [x, y] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let [dx, dy] = [0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])];
+    let moment = dx * y - dy * x;
     x.abs() <= dx.abs() + radius
         && y.abs() <= dy.abs() + radius
-        && (excess <= 0.0 || excess * excess <= 4.0 * SLACK * radius * radius * (dx * dx + dy * dy))
+        && moment * moment <= radius * radius * (dx * dx + dy * dy) * SLACK
 }

@@ -30,6 +30,8 @@ pub(crate) struct Piece {
     /// Which of the segment's pieces.
     index: u16,
     cut: Cut,
+    /// A bound on how far the cubic is from its chords.
+    pub deviation: f32,
 }
 
 /// How a segment is cut.
@@ -137,7 +139,10 @@ pub(crate) fn pieces(curves: &Curves, segment: u32) -> Result<impl Iterator<Item
         return Err(Unusable::Thin);
     }
     let cut = Cut::of(curves, segment);
-    Ok((0..u16::from(cut.pieces)).map(move |index| Piece { segment, index, cut }))
+    let chords = f64::from(cut.chords());
+    let bend = Bezier::new(curves, segment, |p| p).bend();
+    let deviation = ((bend / (8.0 * chords * chords)) as f32).next_up();
+    Ok((0..u16::from(cut.pieces)).map(move |index| Piece { segment, index, cut, deviation }))
 }
 
 /// Whether a ribbon has no normals that would give it a width.

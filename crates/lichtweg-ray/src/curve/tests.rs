@@ -230,7 +230,16 @@ proptest! {
 
     /// The search in the tree of chords finds what a look at every chord finds, to the bit.
     #[test]
-    fn no_chord_is_overlooked(curves in curves(CurveStyle::Round, 0.0..0.05), ray in ray()) {
+    fn no_chord_is_overlooked(
+        curves in curves(CurveStyle::Round, 0.00005..0.0005),
+        segment in 0..4_u32,
+        u in 0.0..1.0_f32,
+        side in point(1.0),
+        from in point(1.0),
+    ) {
+        let axis = curves.axis(segment, u);
+        let origin = from.try_normalized().unwrap_or(Vec3::X) * 20.0;
+        let ray = Ray::new(origin, axis.position + side * axis.radius - origin);
         let mut best: Option<f32> = None;
         for segment in 0..curves.segment_count() as u32 {
             let cubic = cubic(&curves, segment, &ray);
