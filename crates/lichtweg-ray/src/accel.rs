@@ -6,8 +6,9 @@ use crate::build;
 use crate::bvh::{self, Bvh};
 use crate::geometry::Geometry;
 use crate::kind::{Item, Kind};
-use crate::math::Bounds3;
-use crate::ray::{Accept, Hit, Ray};
+use crate::math::{Affine, Bounds3, Vec3};
+use crate::packet::{self, HitPacket, RayPacket};
+use crate::ray::{Accept, Hit, Ray, unit_time};
 use crate::simd::Isa;
 use crate::triangle::TriangleHit;
 
@@ -20,19 +21,23 @@ pub struct BuildOptions {}
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BuildReport {
-    /// Triangles in the structure.
+    /// Triangles in the structure, moving ones included; not those of instances.
     pub triangles: usize,
     /// Quadrics in the structure.
     pub quadrics: usize,
     /// Segments of curves in the structure.
     pub curve_segments: usize,
-    /// Primitives left out because they have no area.
+    /// Instances in the structure.
+    pub instances: usize,
+    /// Primitives of the caller's own in the structure.
+    pub user_primitives: usize,
+    /// Triangles and curve segments left out because they have no area.
     pub dropped_degenerate: usize,
     /// Primitives left out because a coordinate is NaN, infinite or beyond 2^40, or a radius negative.
     pub dropped_non_finite: usize,
     /// Inner nodes.
     pub nodes: usize,
-    /// Memory of the structure, without the caller's meshes.
+    /// Memory of the structure, without the caller's meshes and without that of instanced structures.
     pub bytes: usize,
     /// Wall-clock time of the build.
     pub seconds: f64,
@@ -54,7 +59,7 @@ pub enum BuildError {
         /// The number of vertices there are.
         vertices: usize,
     },
-    /// A quadric's map has no inverse or is not finite.
+    /// The map of a quadric or an instance has no inverse or is not finite, or leads beyond 2^40.
     #[error("geometry {geometry}: the map to the world is singular or not finite")]
     SingularTransform {
         /// Index of the geometry.
@@ -67,6 +72,20 @@ pub enum BuildError {
         geometry: u32,
         /// What is wrong.
         reason: &'static str,
+    },
+    /// Keys of a motion do not go together.
+    #[error("geometry {geometry}: {reason}")]
+    InvalidMotion {
+        /// Index of the geometry.
+        geometry: u32,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// Instances of instances go deeper than [`Hit::MAX_INSTANCES`].
+    #[error("geometry {geometry}: instances of instances go too deep")]
+    TooDeep {
+        /// Index of the geometry.
+        geometry: u32,
     },
     /// More primitives than 32-bit references can name.
     #[error("{primitives} primitives are more than a structure can hold")]
@@ -91,6 +110,7 @@ pub struct Accel {
     /// The bits that all masks have.
     common_mask: u32,
     bounds: Bounds3,
+    levels: usize,
     report: BuildReport,
 }
 
@@ -109,7 +129,9 @@ impl Accel {
             seconds: start.elapsed().as_secs_f64(),
             ..census.report
         };
+        let levels = kinds.iter().map(Kind::levels).max().unwrap_or(0);
         Ok(Self {
+            levels,
             geometries,
             kinds,
             items,
@@ -158,6 +180,50 @@ impl Accel {
         self.common_mask = self.masks.iter().fold(u32::MAX, |all, m| all & m);
     }
 
+    /// The outward normal at a hit that a query of `ray` has given, in the space of this structure, of any length.
+    /// Outward is the front of a triangle, and where the surface's own normal points else; mirroring maps keep it so.
+    ///
+    /// # Panics
+    /// May do so where the hit is from elsewhere.
+    pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        let ray = Ray { time: unit_time(ray.time), ..*ray };
+        let outer = if hit.is_instanced() { hit.instances[0] } else { hit.geometry };
+        match &self.geometries[outer as usize] {
+            Geometry::Triangles(mesh) => {
+                let [a, b, c] = mesh.corners(hit.primitive);
+                (b - a).cross(c - a)
+            }
+            _ => self.kinds[outer as usize].normal(&ray, hit),
+        }
+    }
+
+    /// The map to the space of this structure from that of the innermost of some instances, as a [`Hit`] names them, at a
+    /// time in [0, 1]. The identity for none.
+    pub fn instance_to_world(&self, instances: &[u32; Hit::MAX_INSTANCES], time: f32) -> Affine {
+        match self.kinds.get(instances[0] as usize) {
+            Some(Kind::Instance(instance)) => instance.path_to_world(instances, unit_time(time)),
+            _ => Affine::IDENTITY,
+        }
+    }
+
+    /// [`Accel::closest`] of the rays of a packet whose bit in `active` is set; the other lanes hit nothing.
+    #[inline]
+    pub fn closest_packet(&self, rays: &RayPacket, active: u32) -> HitPacket {
+        match self.common_mask {
+            u32::MAX => packet::closest(self.isa, self, rays, active),
+            _ => packet::closest_one_by_one(self, rays, active),
+        }
+    }
+
+    /// [`Accel::occluded`] of the rays of a packet whose bit in `active` is set: a bit a ray.
+    #[inline]
+    pub fn occluded_packet(&self, rays: &RayPacket, active: u32) -> u32 {
+        match self.common_mask {
+            u32::MAX => packet::occluded(self.isa, self, rays, active),
+            _ => packet::occluded_one_by_one(self, rays, active),
+        }
+    }
+
     /// The box around everything that can be hit; empty for an empty scene.
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
@@ -191,6 +257,11 @@ impl Accel {
         } else {
             bvh::occluded_filtered(isa, self, ray, accept)
         }
+    }
+
+    /// How deep instances of instances go: 0 where there is none.
+    pub(crate) fn levels(&self) -> usize {
+        self.levels
     }
 
     /// Whether a ray with a mask meets a geometry.

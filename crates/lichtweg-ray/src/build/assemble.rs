@@ -29,8 +29,7 @@ pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh,
     if plan.end.blocks.max(plan.end.others) >= ChildRef::MAX_INDEX {
         return Err(BuildError::TooLarge { primitives: primitives.len() });
     }
-    let b = census.bounds;
-    let reach = if b.is_empty() { 0.0 } else { b.min.abs().max(b.max.abs()).max_element() };
+    let reach = census.bounds.reach();
     let numbering = std::mem::take(&mut census.numbering);
     Ok(plan.assemble(root, numbering, reach))
 }

@@ -25,7 +25,7 @@ pub(crate) struct Primitive {
 
 impl Primitive {
     #[inline(always)]
-    fn new(lo: Vec3, hi: Vec3, geometry: u32, primitive: u32) -> Self {
+    fn new(Bounds3 { min: lo, max: hi }: Bounds3, geometry: u32, primitive: u32) -> Self {
         Self {
             bounds: QuadBox {
                 lo: Quad::new(lo.x, lo.y, lo.z, f32::from_bits(geometry)),
@@ -101,14 +101,28 @@ pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
         kind.count(items, &mut all.report);
         all.kinds.push(kind);
     }
+    if all.report.instances > 0 {
+        widen_instances(&mut all);
+    }
     Ok(all)
+}
+
+/// Gives boxes of instances the margin that depends on the size of the whole scene.
+fn widen_instances(all: &mut Census) {
+    let reach = all.bounds.reach();
+    all.primitives.par_iter_mut().for_each(|p| {
+        if let Kind::Instance(instance) = &all.kinds[p.geometry() as usize] {
+            let wide = p.bounds.to_bounds().widened(instance.margin(reach));
+            *p = Primitive::new(wide, p.geometry(), p.primitive());
+        }
+    });
 }
 
 /// Lists the boxes of what is no static triangle; returns their number.
 fn add_items(all: &mut Census, geometry: u32, kind: &Kind) -> usize {
     let before = all.items.len();
     for (index, bounds) in (0..).zip(kind.boxes()) {
-        if bounds.is_empty() {
+        if bounds == Bounds3::EMPTY {
             continue;
         }
         if !in_range(&bounds) {
@@ -116,7 +130,7 @@ fn add_items(all: &mut Census, geometry: u32, kind: &Kind) -> usize {
             continue;
         }
         all.bounds = all.bounds.union(bounds);
-        all.primitives.push(Primitive::new(bounds.min, bounds.max, geometry, all.items.len() as u32));
+        all.primitives.push(Primitive::new(bounds, geometry, all.items.len() as u32));
         all.items.push(Item { geometry, index });
     }
     all.items.len() - before
@@ -164,8 +178,7 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
         } else {
             let exact = Bounds3::of(corners);
             chunk.bounds = chunk.bounds.union(exact);
-            let (lo, hi) = padded(exact);
-            chunk.primitives.push(Primitive::new(lo, hi, geometry, primitive));
+            chunk.primitives.push(Primitive::new(padded(exact), geometry, primitive));
         }
     }
     Ok(chunk)
@@ -180,8 +193,9 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
 }
 
-fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> (Vec3, Vec3) {
+/// A box with the margin that hits of triangles need.
+pub(crate) fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> Bounds3 {
     let margin = (hi - lo).max_element() * (3.0 * 2.0_f32.powi(-23));
     let outwards = |p: Vec3| p.abs() * (0.51 * f32::EPSILON) + Vec3::splat(margin);
-    (lo - outwards(lo), hi + outwards(hi))
+    Bounds3 { min: lo - outwards(lo), max: hi + outwards(hi) }
 }

@@ -74,16 +74,17 @@ impl Stack {
 }
 
 /// The nearest hit so far.
-struct Best {
-    t: f32,
-    u: f32,
-    v: f32,
+#[derive(Clone, Copy)]
+pub(crate) struct Best {
+    pub t: f32,
+    pub u: f32,
+    pub v: f32,
     /// Running number of the primitive.
-    id: u32,
+    pub id: u32,
 }
 
 impl Best {
-    const NOTHING: u32 = u32::MAX;
+    pub(crate) const NOTHING: u32 = u32::MAX;
 
     fn none(tfar: f32) -> Self {
         Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING }
@@ -92,12 +93,29 @@ impl Best {
     /// Takes a hit with `t <= self.t`, if it is the better one: of equally near ones the lowest number wins, then
     /// the lowest u, and nothing has the highest number.
     #[inline(always)]
-    fn consider(&mut self, hit: TriangleHit, id: u32) -> bool {
+    pub(crate) fn consider(&mut self, hit: TriangleHit, id: u32) -> bool {
         let better = hit.t < self.t || id < self.id || (id == self.id && hit.u < self.u);
         if better {
             *self = Self { t: hit.t, u: hit.u, v: hit.v, id };
         }
         better
+    }
+}
+
+/// The nearest hit so far of what is no triangle of a block.
+#[derive(Clone, Copy)]
+pub(crate) struct Other {
+    hit: Hit,
+    id: u32,
+}
+
+impl Other {
+    pub(crate) const NONE: Self = Self { hit: Hit::NONE, id: Best::NOTHING };
+
+    /// Running number of the primitive, or [`Best::NOTHING`].
+    #[inline(always)]
+    pub(crate) fn id(&self) -> u32 {
+        self.id
     }
 }
 
@@ -109,21 +127,54 @@ pub(crate) fn traverse<V: Lanes, const ANY: bool, const FILTERED: bool>(
     ray: &Ray,
     accept: Option<Accept>,
 ) -> Option<Hit> {
-    let bvh = &accel.bvh;
-    let (slab, shear, tfar) = prepare::<V>(ray, bvh.reach)?;
-    let shear = WideShear::<V>::new(&shear);
+    let (slab, shear, tfar) = prepare::<V>(ray, accel.bvh.reach)?;
+    let prepared = (slab, WideShear::<V>::new(&shear));
     let mut best = Best::none(tfar);
-    // The hit of `best`, where that is no triangle of a block.
-    let mut other = Hit::NONE;
-    let mut other_id = Best::NOTHING;
+    let mut other = Other::NONE;
+    let root = accel.bvh.root;
+    if descend::<V, ANY, FILTERED>(accel, ray, &prepared, accept, &mut best, &mut other, root) {
+        return Some(Hit::NONE);
+    }
+    best.hit(accel, ray, &other)
+}
+
+impl Best {
+    /// Names what was hit.
+    #[inline(always)]
+    pub(crate) fn hit(&self, accel: &Accel, ray: &Ray, other: &Other) -> Option<Hit> {
+        if self.id == Self::NOTHING {
+            return None;
+        }
+        if self.id == other.id && other.hit.is_instanced() {
+            return Some(other.hit);
+        }
+        if self.id == other.id {
+            return Some(accel.kinds[other.hit.geometry as usize].completed(ray, other.hit));
+        }
+        let (geometry, primitive) = accel.bvh.numbering.locate(self.id);
+        Some(Hit::plain(self.t, self.u, self.v, geometry, primitive))
+    }
+}
+
+/// Looks for something nearer than `best` in and below a child; with `ANY`, whether there is anything.
+#[inline(always)]
+pub(crate) fn descend<V: Lanes, const ANY: bool, const FILTERED: bool>(
+    accel: &Accel,
+    ray: &Ray,
+    (slab, shear): &(Slab<V>, WideShear<V>),
+    accept: Option<Accept>,
+    best: &mut Best,
+    other: &mut Other,
+    mut current: ChildRef,
+) -> bool {
+    let bvh = &accel.bvh;
     let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
     let base = entries.as_mut_ptr().cast();
     let mut stack = Stack { top: base, base };
-    let mut current = bvh.root;
     loop {
-        match go::<V, ANY, FILTERED>(bvh, &slab, &shear, &mut best, &mut stack, current) {
-            Event::Done => break,
-            Event::Found => return Some(Hit::NONE),
+        match go::<V, ANY, FILTERED>(bvh, slab, shear, best, &mut stack, current) {
+            Event::Done => return false,
+            Event::Found => return true,
             Event::Block(index) => {
                 let block = &bvh.blocks[index];
                 for lane in 0..WIDTH {
@@ -132,40 +183,43 @@ pub(crate) fn traverse<V: Lanes, const ANY: bool, const FILTERED: bool>(
                         continue;
                     }
                     if ANY {
-                        return Some(Hit::NONE);
+                        return true;
                     }
                     best.consider(h, block.ids[lane]);
                 }
             }
             Event::Others(leaf) => {
                 let probe = Probe { ray, isa: V::ISA, shear: shear.scalar() };
-                let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, &probe, best.t, accept);
-                if let Some((hit, id)) = nearest {
-                    if ANY {
-                        return Some(Hit::NONE);
-                    }
-                    if best.consider(TriangleHit { t: hit.t, u: hit.u, v: hit.v }, id) {
-                        (other, other_id) = (hit, id);
-                    }
+                if best.meet::<ANY, FILTERED>(accel, leaf, &probe, accept, other) && ANY {
+                    return true;
                 }
             }
         }
         match stack.pop(best.t) {
             Some(next) => current = next,
-            None => break,
+            None => return false,
         }
     }
-    if best.id == Best::NOTHING {
-        return None;
+}
+
+impl Best {
+    /// Takes the nearest hit in a leaf of other primitives, if it is the better one; whether there is any.
+    #[inline(always)]
+    pub(crate) fn meet<const ANY: bool, const FILTERED: bool>(
+        &mut self,
+        accel: &Accel,
+        leaf: ChildRef,
+        probe: &Probe,
+        accept: Option<Accept>,
+        other: &mut Other,
+    ) -> bool {
+        let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, probe, self.t, accept);
+        let Some((hit, id)) = nearest else { return false };
+        if self.consider(TriangleHit { t: hit.t, u: hit.u, v: hit.v }, id) {
+            *other = Other { hit, id };
+        }
+        true
     }
-    if best.id == other_id && other.is_instanced() {
-        return Some(other);
-    }
-    if best.id == other_id {
-        return Some(accel.kinds[other.geometry as usize].completed(ray, other));
-    }
-    let (geometry, primitive) = bvh.numbering.locate(best.id);
-    Some(Hit::plain(best.t, best.u, best.v, geometry, primitive))
 }
 
 /// Why the fast loop stops.
@@ -307,7 +361,7 @@ fn go<V: Lanes, const ANY: bool, const FILTERED: bool>(
 /// Asks for the memory of a child that will be visited later.
 #[inline(always)]
 fn fetch(bvh: &Bvh, c: ChildRef) {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
     {
         use std::arch::x86_64::*;
         let leaf = c.is_leaf();

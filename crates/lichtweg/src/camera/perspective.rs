@@ -23,7 +23,6 @@ pub struct Camera {
     focus_distance: f32,
     near: f32,
     far: f32,
-    shutter: [f32; 2],
 }
 
 impl Camera {
@@ -66,7 +65,6 @@ impl Camera {
             focus_distance: description.focus_distance,
             near: description.near_clip.max(0.0),
             far: description.far_clip,
-            shutter: description.shutter,
         })
     }
 
@@ -85,13 +83,9 @@ impl Camera {
         let direction = direction.normalized();
         let [left, up, forward] = self.axes;
         let per_depth = 1.0 / direction.z;
-        Ray {
-            origin: self.origin + left * lx + up * ly,
-            direction: left * direction.x + up * direction.y + forward * direction.z,
-            tnear: self.near * per_depth,
-            tfar: self.far * per_depth,
-            time: self.shutter[0] + time * (self.shutter[1] - self.shutter[0]),
-        }
+        let origin = self.origin + left * lx + up * ly;
+        let direction = left * direction.x + up * direction.y + forward * direction.z;
+        Ray::new(origin, direction).between(self.near * per_depth, self.far * per_depth).at_time(time)
     }
 }
 

@@ -14,6 +14,7 @@ use lichtweg_ray::math::Vec3;
 use crate::color::Spectrum;
 use crate::scene::Scene;
 
+pub(crate) use area::TrianglePick;
 pub use area::{AreaLight, EmissionSampling};
 pub use delta::{Directional, Point, Spot};
 pub use environment::{ConstantEnvironment, Environment, MapEnvironment};

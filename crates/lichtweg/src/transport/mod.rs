@@ -3,6 +3,8 @@
 mod mis;
 mod observer;
 mod path;
+mod wave;
 
 pub use observer::PathObserver;
 pub use path::{PathTracer, WalkCounts};
+pub use wave::Wave;
