@@ -1,4 +1,4 @@
-//! Shapes: what they have in common. Their forms are in `quadric` and `mesh_shape`.
+//! Shapes: what they have in common. Their forms are in `quadric`, `mesh_shape` and `curve`.
 
 use lichtweg::scene::description::{AreaLightDescription, GeometryDescription, ShapeDescription, Span};
 use lichtweg_ray::math::Affine;
@@ -7,7 +7,18 @@ use super::assets::{Asset, Place, Target};
 use super::translate::Translator;
 use super::tree::{Class, Object, ObjectId};
 
-const KNOWN: [&str; 8] = ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "cylinder"];
+const KNOWN: [&str; 10] = [
+    "obj",
+    "ply",
+    "serialized",
+    "rectangle",
+    "cube",
+    "sphere",
+    "disk",
+    "cylinder",
+    "linearcurve",
+    "bsplinecurve",
+];
 
 /// A shape's form, before its place in the world.
 pub(super) struct Form {
@@ -71,6 +82,7 @@ impl<'a> Translator<'a> {
             "rectangle" => Some(self.rectangle(object)),
             "cube" => Some(self.cube(object)),
             "obj" | "ply" | "serialized" => self.mesh_file(object),
+            "linearcurve" | "bsplinecurve" => self.curve_file(object),
             _ => {
                 self.unknown_plugin(object, &KNOWN, "the shape is left out");
                 None

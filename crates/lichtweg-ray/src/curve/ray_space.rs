@@ -40,14 +40,14 @@ impl RaySpace {
     }
 
     /// A direction of the frame in the world.
-    pub(crate) fn to_world(&self, v: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn world_vector(&self, v: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = &self.axes;
         std::array::from_fn(|i| x[i] * v[0] + y[i] * v[1] + z[i] * v[2])
     }
 
     /// A point of the frame in the world.
-    pub(crate) fn point_to_world(&self, p: [f64; 3]) -> [f64; 3] {
-        let v = self.to_world(p);
+    pub(crate) fn world_point(&self, p: [f64; 3]) -> [f64; 3] {
+        let v = self.world_vector(p);
         std::array::from_fn(|i| v[i] + self.origin[i])
     }
 

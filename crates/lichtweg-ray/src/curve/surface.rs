@@ -22,10 +22,6 @@ pub struct CurveSurface {
     pub geometric_normal: Vec3,
     /// Unit normal that does not jump from chord to chord.
     pub shading_normal: Vec3,
-    /// Derivative of the position by u, along the segment.
-    pub along: Vec3,
-    /// A tangent across the curve, in the sense of growing v, as long as the curve is wide.
-    pub across: Vec3,
     /// Half the width.
     pub radius: f32,
 }
@@ -119,6 +115,26 @@ impl Curves {
         CurvePoint { position: Vec3::new(x, y, z), radius }
     }
 
+    /// The derivative of the axis by u: the direction of growing u.
+    ///
+    /// # Panics
+    /// Where there is no such segment.
+    pub fn tangent(&self, segment: u32, u: f32) -> Vec3 {
+        let [x, y, z, _] = Bezier::new(self, segment, |p| p).derivative(u.into()).map(|x| x as f32);
+        Vec3::new(x, y, z)
+    }
+
+    /// Where a segment is in its curve: its number, and the number of segments.
+    ///
+    /// # Panics
+    /// Where there is no such segment.
+    pub fn place_in_curve(&self, segment: u32) -> (u32, u32) {
+        let curve = self.segments[segment as usize].curve;
+        let begin = self.segments.partition_point(|s| s.curve < curve) as u32;
+        let end = self.segments.partition_point(|s| s.curve <= curve) as u32;
+        (segment - begin, end - begin)
+    }
+
     /// The second parameter of a hit of `ray` at `u` of a segment: from 0 to 1 across the curve as the ray sees it.
     pub(crate) fn across(&self, ray: &Ray, segment: u32, u: f32) -> f32 {
         Place::new(self, ray, segment, u).v() as f32
@@ -132,33 +148,28 @@ impl Curves {
         let place = Place::new(self, ray, segment, u);
         let (tangent, radius) = (place.tangent, place.radius());
         let towards_ray = [0.0, 0.0, -1.0];
-        let (position, geometric, shading, along, across) = match self.style {
+        let (position, geometric, shading) = match self.style {
             CurveStyle::Round => {
                 let normal = near_side(&place.axis);
                 let smooth = if self.is_smooth(&place) { cone(normal, tangent, place.slope) } else { None };
-                let shading = smooth.unwrap_or(normal);
-                let along = add(tangent, shading, place.slope);
-                (add(place.center(), normal, radius), normal, shading, along, cross(tangent, shading))
+                (add(place.center(), normal, radius), normal, smooth.unwrap_or(normal))
             }
             CurveStyle::Flat => {
                 let normal = across_part(towards_ray, place.chord()).unwrap_or(towards_ray);
                 let shading = across_part(normal, unit(tangent)).unwrap_or(normal);
-                ([0.0, 0.0, place.axis[2]], normal, shading, tangent, place.across())
+                ([0.0, 0.0, place.axis[2]], normal, shading)
             }
             CurveStyle::Ribbon => {
                 let shading = across_part(place.given_normal(), unit(tangent)).unwrap_or(towards_ray);
                 let normal = across_part(shading, place.chord()).unwrap_or(shading);
-                (place.ribbon_point(), normal, shading, tangent, place.across())
+                (place.ribbon_point(), normal, shading)
             }
         };
-        let across = unit(across).unwrap_or([0.0; 3]).map(|x| x * 2.0 * radius);
-        let vector = |v: [f64; 3]| Vec3::from_array(place.space.to_world(v).map(|x| x as f32));
+        let vector = |v: [f64; 3]| Vec3::from_array(place.space.world_vector(v).map(|x| x as f32));
         CurveSurface {
-            position: Vec3::from_array(place.space.point_to_world(position).map(|x| x as f32)),
+            position: Vec3::from_array(place.space.world_point(position).map(|x| x as f32)),
             geometric_normal: vector(geometric),
             shading_normal: vector(shading),
-            along: vector(along),
-            across: vector(across),
             radius: radius as f32,
         }
     }
@@ -194,10 +205,6 @@ fn across_part(v: [f64; 3], axis: Option<[f64; 3]>) -> Option<[f64; 3]> {
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn add(a: [f64; 3], b: [f64; 3], times: f64) -> [f64; 3] {
