@@ -92,7 +92,8 @@ fn normals(entity: &Entity, style: CurveStyle, segments: usize, report: &mut Rep
     let param = params.array("N", Type::Normal, report);
     match (param, style) {
         (None, CurveStyle::Ribbon) => {
-            let text = format!("a ribbon of {segments} segments needs \"normal N\" with {needed} normals");
+            let text =
+                format!("this ribbon needs {needed} normals \"normal N\", one at each end of a segment");
             let diagnostic = Diagnostic::error("missing-parameter", text).at(entity.span, "no normals");
             report.substitute(diagnostic, "the shape is left out");
             None
@@ -103,7 +104,7 @@ fn normals(entity: &Entity, style: CurveStyle, segments: usize, report: &mut Rep
             if normals.len() == needed {
                 return Some(normals);
             }
-            let text = format!("\"N\" has {} normals for {segments} segments", normals.len());
+            let text = format!("\"N\" has the wrong number of normals: {}", normals.len());
             let label = format!("expected {needed}, one at each end of a segment");
             report.substitute(param.bad_value(text, label), "the shape is left out");
             None

@@ -31,19 +31,17 @@ impl Bezier {
             let [x, y, z] = map(control[i].position.to_array().map(f64::from));
             [x, y, z, f64::from(control[i].radius)]
         };
+        let third = |p: &Point4, q: &Point4| combine([p, q], [2.0 / 3.0, 1.0 / 3.0]);
         match curves.basis {
             CurveBasis::Bezier => Self([point(0), point(1), point(2), point(3)]),
             CurveBasis::Linear => {
                 let (a, b) = (point(0), point(1));
-                let third = |p: &Point4, q: &Point4| combine([p, q], [2.0 / 3.0, 1.0 / 3.0]);
                 Self([a, third(&a, &b), third(&b, &a), b])
             }
             CurveBasis::BSpline => {
-                let p = [point(0), point(1), point(2), point(3)];
-                let joint =
-                    |i: usize| combine([&p[i], &p[i + 1], &p[i + 2]], [1.0, 4.0, 1.0]).map(|x| x / 6.0);
-                let third = |i: usize, j: usize| combine([&p[i], &p[j]], [2.0, 1.0]).map(|x| x / 3.0);
-                Self([joint(0), third(1, 2), third(2, 1), joint(1)])
+                let [a, b, c, d] = [point(0), point(1), point(2), point(3)];
+                let joint = |points| combine(points, [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]);
+                Self([joint([&a, &b, &c]), third(&b, &c), third(&c, &b), joint([&b, &c, &d])])
             }
         }
     }

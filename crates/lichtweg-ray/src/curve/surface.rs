@@ -1,8 +1,8 @@
 //! Points on curves, as shading needs them.
 //!
 //! The point is found again from where it lies along the curve, in `f64` and in the ray's frame: its error is that of the
-//! curve's coordinates, however far the ray has come. A ray that comes from +z meets the ball about an axis point (x, y) with
-//! radius r at the normal (-x, -y, -sqrt(r^2 - x^2 - y^2)) / r.
+//! curve's coordinates, however far the ray has come. The ray, which runs along +z, enters the ball about an axis point (x, y)
+//! with radius r at the normal (-x, -y, -sqrt(r^2 - x^2 - y^2)) / r.
 
 use super::bezier::{Bezier, Point4};
 use super::intersect::rung;
