@@ -9,7 +9,7 @@ use crate::kind::{Item, Kind};
 use crate::math::{Affine, Bounds3, Vec3};
 use crate::packet::{self, HitPacket, RayPacket};
 use crate::ray::{Accept, Hit, Ray, unit_time};
-use crate::simd::Isa;
+use crate::simd::{Isa, WIDTH};
 use crate::triangle::TriangleHit;
 
 /// How to build.
@@ -257,6 +257,17 @@ impl Accel {
         } else {
             bvh::occluded_filtered(isa, self, ray, accept)
         }
+    }
+
+    /// A few boxes around everything, some of them empty.
+    pub(crate) fn outline(&self) -> [Bounds3; WIDTH] {
+        let root = self.bvh.root;
+        if !root.is_leaf() {
+            return std::array::from_fn(|slot| self.bvh.nodes[root.node()].bounds(slot));
+        }
+        let mut one = [Bounds3::EMPTY; WIDTH];
+        one[0] = self.bounds;
+        one
     }
 
     /// How deep instances of instances go: 0 where there is none.

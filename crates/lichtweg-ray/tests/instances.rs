@@ -136,6 +136,12 @@ fn faults_say_where() {
     ] {
         assert_eq!(fault(placed(&leaf, map)), singular, "{map:?}");
     }
+    // Hardly invertible maps are no error, and do no harm.
+    let extreme = [(1e-30, 1e-30, 1.0), (1e-9, 1e3, 1.0), (1e-25, 1e-25, 1e-25)];
+    let accel = build(extreme.map(|(x, y, z)| placed(&leaf, Affine::scaling(x, y, z))).into());
+    for ray in [down(0.0, 0.0), down(1.0, 0.0), Ray::new(Vec3::splat(1e11), Vec3::splat(-1e30))] {
+        assert_eq!(accel.closest(&ray).is_some(), accel.occluded(&ray));
+    }
     let one = Arc::new(build(vec![placed(&leaf, Affine::IDENTITY)]));
     let two = Arc::new(build(vec![placed(&one, Affine::IDENTITY)]));
     assert_eq!(fault(placed(&two, Affine::IDENTITY)), BuildError::TooDeep { geometry: 1 });
@@ -154,11 +160,12 @@ fn what_is_not_finite_is_dropped_and_counted() {
     bad[3].x = f32::NAN;
     let moving = MovingMesh::new([square().positions, bad.into()], square().indices);
     let center = |x: f32| (Vec3::new(x, 0.0, 0.0), 1.0);
-    let balls = Balls(vec![center(0.0), center(f32::NAN), center(f32::INFINITY), center(1e20)]);
-    assert_eq!(balls.count(), 4);
+    let inside_out = (Vec3::ZERO, -1.0);
+    let balls = Balls(vec![center(0.0), center(f32::NAN), center(f32::INFINITY), center(1e20), inside_out]);
+    assert_eq!(balls.count(), 5);
     let accel = build(vec![moving.into(), Geometry::User(Arc::new(balls))]);
     let report = accel.report();
-    assert_eq!((report.triangles, report.user_primitives, report.dropped_non_finite), (1, 1, 4));
+    assert_eq!((report.triangles, report.user_primitives, report.dropped_non_finite), (1, 1, 5));
     let empty = Arc::new(build(vec![]));
     let accel = build(vec![Instance::new(empty, Affine::IDENTITY).into()]);
     assert!(accel.bounds().is_empty() && !accel.occluded(&down(0.0, 0.0)));

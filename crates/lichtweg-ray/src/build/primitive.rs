@@ -125,7 +125,7 @@ fn add_items(all: &mut Census, geometry: u32, kind: &Kind) -> usize {
         if bounds == Bounds3::EMPTY {
             continue;
         }
-        if !in_range(&bounds) {
+        if bounds.is_empty() || !in_range(&bounds) {
             all.report.dropped_non_finite += 1;
             continue;
         }

@@ -100,6 +100,12 @@ impl Node {
         unused: [0; WIDTH],
     };
 
+    /// The box of a child; empty where there is none.
+    pub(crate) fn bounds(&self, slot: usize) -> Bounds3 {
+        let plane = |i: usize| self.planes[i][slot];
+        Bounds3 { min: Vec3::new(plane(0), plane(2), plane(4)), max: Vec3::new(plane(1), plane(3), plane(5)) }
+    }
+
     pub(crate) fn set(&mut self, slot: usize, bounds: &Bounds3, child: ChildRef) {
         for axis in 0..3 {
             self.planes[2 * axis][slot] = bounds.min[axis];

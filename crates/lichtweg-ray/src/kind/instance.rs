@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use crate::accel::{Accel, BuildError};
+use crate::build::MAX_COORDINATE;
 use crate::math::{Affine, Bounds3, Motion, Vec3};
 use crate::ray::{Accept, Hit, Ray};
 use crate::simd::Isa;
@@ -57,6 +58,8 @@ impl Instance {
 pub(crate) struct PlacedInstance {
     accel: Arc<Accel>,
     place: Place,
+    /// A box around the image, but for [`PlacedInstance::margin`].
+    pub bounds: Bounds3,
     /// Product of the norms of the map and its inverse.
     condition: f64,
 }
@@ -65,6 +68,19 @@ pub(crate) struct PlacedInstance {
 enum Place {
     Fixed { to_local: Affine, to_world: Affine },
     Moving(Arc<Motion>),
+}
+
+impl Place {
+    fn bounds(&self, accel: &Accel) -> Bounds3 {
+        match self {
+            // The images of several small boxes fill less than that of one large box, where they are turned.
+            Self::Fixed { to_world, .. } => {
+                let parts = accel.outline().map(|part| to_world.bounds(&part));
+                parts.into_iter().fold(Bounds3::EMPTY, Bounds3::union)
+            }
+            Self::Moving(motion) => motion.bounds(&accel.bounds()),
+        }
+    }
 }
 
 impl PlacedInstance {
@@ -90,10 +106,13 @@ impl PlacedInstance {
                 (Place::Moving(motion.clone()), norm * inverse)
             }
         };
-        let placed = Self { accel, place, condition };
-        let bounds = placed.bounds();
+        let bounds = place.bounds(&accel);
         let sound = bounds == Bounds3::EMPTY || super::in_range(&bounds);
-        if sound && condition.is_finite() { Ok(placed) } else { Err(singular) }
+        if sound && condition.is_finite() {
+            Ok(Self { accel, place, bounds, condition })
+        } else {
+            Err(singular)
+        }
     }
 
     /// Levels of instances below and including this.
@@ -101,20 +120,11 @@ impl PlacedInstance {
         1 + self.accel.levels()
     }
 
-    /// The box around the image, but for [`PlacedInstance::margin`].
-    pub(crate) fn bounds(&self) -> Bounds3 {
-        let inner = self.accel.bounds();
-        match &self.place {
-            Place::Fixed { to_world, .. } => to_world.bounds(&inner),
-            Place::Moving(motion) => motion.bounds(&inner),
-        }
-    }
-
     /// How much wider the box must be, in a scene whose coordinates are within `reach`.
     pub(crate) fn margin(&self, reach: f32) -> f32 {
         let origin = self.to_world(0.0).point(Vec3::ZERO).abs().max_element();
-        let size = f64::from(reach) + f64::from(origin) + f64::from(self.bounds().reach());
-        (2.0_f64.powi(-20) * self.condition * size) as f32
+        let size = f64::from(reach) + f64::from(origin) + f64::from(self.bounds.reach());
+        ((2.0_f64.powi(-20) * self.condition * size) as f32).min(MAX_COORDINATE)
     }
 
     /// The map at a time in [0, 1].

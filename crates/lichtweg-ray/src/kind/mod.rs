@@ -101,7 +101,7 @@ impl Kind {
             Self::Quadric(quadric) => vec![quadric.bounds()],
             Self::Curves(curves) => curves.boxes(),
             Self::MovingTriangles(mesh) => mesh.boxes(),
-            Self::Instance(instance) => vec![instance.bounds()],
+            Self::Instance(instance) => vec![instance.bounds],
             Self::User(user) => (0..user.count() as u32).map(|primitive| user.bounds(primitive)).collect(),
         }
     }

@@ -252,6 +252,27 @@ impl Float for F32 {
     }
 
     #[inline(always)]
+    fn gather(table: &[f32], index: U32) -> Self {
+        index.assert_below(table.len());
+        // SAFETY: see above.
+        Self(unsafe { _mm512_i32gather_ps::<4>(index.0, table.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn rows(columns: [Self; LANES]) -> [Row; LANES] {
+        let mut registers = [columns[0].0; LANES];
+        for i in 0..LANES {
+            registers[i] = columns[i].0;
+        }
+        let registers = transpose(registers);
+        let mut out = [Lanes([0.0; LANES]); LANES];
+        for i in 0..LANES {
+            out[i] = Self(registers[i]).to_lanes();
+        }
+        out
+    }
+
+    #[inline(always)]
     fn columns(rows: &[&Row; LANES]) -> [Self; LANES] {
         // SAFETY: see above.
         let zero = unsafe { _mm512_setzero_ps() };
@@ -260,23 +281,22 @@ impl Float for F32 {
             // SAFETY: see above.
             lane[i] = unsafe { _mm512_load_ps(rows[i].0.as_ptr()) };
         }
-        transpose(lane).map_lanes()
+        // Not `array::map`: what is not inlined loses the instruction set.
+        let lane = transpose(lane);
+        let mut out = [Self(zero); LANES];
+        for i in 0..LANES {
+            out[i] = Self(lane[i]);
+        }
+        out
     }
 }
 
-/// Wraps registers one by one: `array::map` with a closure may not be inlined, and would lose the instruction set.
-trait MapLanes {
-    fn map_lanes(self) -> [F32; LANES];
-}
-
-impl MapLanes for [__m512; LANES] {
+impl U32 {
+    /// Panics where a lane is not an index of a table of `len` elements.
     #[inline(always)]
-    fn map_lanes(self) -> [F32; LANES] {
-        let mut out = [F32(self[0]); LANES];
-        for i in 0..LANES {
-            out[i] = F32(self[i]);
-        }
-        out
+    fn assert_below(self, len: usize) {
+        let len = u32::try_from(len).unwrap_or(u32::MAX).min(1 << 31);
+        assert!(self.lt(Self::splat(len)).bits() == 0xffff, "an index is out of range");
     }
 }
 
@@ -393,6 +413,13 @@ impl Word for U32 {
     fn to_float(self) -> F32 {
         // SAFETY: see above.
         F32(unsafe { _mm512_cvtepi32_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn gather(table: &[u32], index: Self) -> Self {
+        index.assert_below(table.len());
+        // SAFETY: see above.
+        Self(unsafe { _mm512_i32gather_epi32::<4>(index.0, table.as_ptr().cast()) })
     }
 
     #[inline(always)]

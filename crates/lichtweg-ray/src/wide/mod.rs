@@ -155,8 +155,12 @@ pub trait Float:
     fn compress(self, mask: Self::Mask) -> Self;
     /// Smallest lane; lanes must not be NaN.
     fn smallest(self) -> f32;
+    /// Element `index` of a table. Panics where a lane's index is out of range.
+    fn gather(table: &[f32], index: Self::Bits) -> Self;
     /// Column i holds element i of every lane's row.
     fn columns(rows: &[&Row; LANES]) -> [Self; LANES];
+    /// The reverse of [`Float::columns`]: row i holds lane i of every column.
+    fn rows(columns: [Self; LANES]) -> [Row; LANES];
 }
 
 /// Sixteen consecutive `f32`: one cache line of a table, to be read by [`Float::columns`].
@@ -203,6 +207,8 @@ pub trait Word:
     fn as_float(self) -> Self::F32;
     /// The nearest floats; lanes are taken as two's complement.
     fn to_float(self) -> Self::F32;
+    /// Element `index` of a table. Panics where a lane's index is out of range.
+    fn gather(table: &[u32], index: Self) -> Self;
     /// Zero-extended.
     fn widen(self) -> Self::U64;
     /// See [`Float::compress`].

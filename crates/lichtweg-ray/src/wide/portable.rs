@@ -294,6 +294,26 @@ impl Float for F32 {
     }
 
     #[inline(always)]
+    fn gather(table: &[f32], index: U32) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = table[index.0[i] as usize];
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn rows(columns: [Self; LANES]) -> [Row; LANES] {
+        let mut out = [Lanes([0.0; LANES]); LANES];
+        for (lane, row) in out.iter_mut().enumerate() {
+            for column in 0..LANES {
+                row.0[column] = columns[column].0[lane];
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
     fn columns(rows: &[&Row; LANES]) -> [Self; LANES] {
         let mut out = [Self([0.0; LANES]); LANES];
         for lane in 0..LANES {
@@ -382,6 +402,15 @@ impl Word for U32 {
             out[i] = self.0[i] as i32 as f32;
         }
         F32(out)
+    }
+
+    #[inline(always)]
+    fn gather(table: &[u32], index: Self) -> Self {
+        let mut out = [0; LANES];
+        for i in 0..LANES {
+            out[i] = table[index.0[i] as usize];
+        }
+        Self(out)
     }
 
     #[inline(always)]

@@ -80,6 +80,11 @@ impl Kernel for Everything {
         for column in W::F32::columns(&std::array::from_fn(|i| &rows[i * 7 % 40])) {
             masks.extend(column.bits().to_lanes().0);
         }
+        let columns = W::F32::columns(&std::array::from_fn(|i| &rows[i * 7 % 40]));
+        masks.extend(W::F32::rows(columns).iter().flat_map(|row| row.0.map(f32::to_bits)));
+        let index = p.shr::<29>();
+        masks.extend(W::F32::gather(&VALUES, index).bits().to_lanes().0);
+        masks.extend(W::U32::gather(&[3, 1, 4, 1, 5, 9, 2, 6], index).to_lanes().0);
         masks.push(b.select(b.lt(b) | b.ge(b), W::F32::splat(0.0)).smallest().to_bits() << 1);
         out.extend(masks);
         out

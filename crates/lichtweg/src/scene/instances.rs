@@ -89,7 +89,7 @@ fn singular(instance: &InstanceDescription) -> Diagnostic {
 }
 
 /// A placement with the times counted from the opening of the shutter, 0, to its closing, 1.
-fn on_shutter_clock(placement: &Placement, [open, close]: [f32; 2]) -> Placement {
+pub(crate) fn on_shutter_clock(placement: &Placement, [open, close]: [f32; 2]) -> Placement {
     let Placement::Moving(motion) = placement else { return placement.clone() };
     let retimed = motion.keys().map(|(time, map)| ((time - open) / (close - open), *map));
     match Motion::new(retimed) {

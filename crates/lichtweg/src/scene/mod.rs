@@ -23,6 +23,7 @@ pub(crate) use surface::Facets;
 pub use surface::{Form, MeshForm, Place, QuadricForm, SurfacePoint};
 
 use instances::Instances;
+pub(crate) use instances::on_shutter_clock;
 
 /// A compiled scene: immutable, and shared by all threads.
 #[derive(Debug)]

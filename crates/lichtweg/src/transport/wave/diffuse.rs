@@ -109,7 +109,12 @@ static NO_ROW: Row = Lanes([0.0; LANES]);
 impl<O: PathObserver> Step<'_, O> {
     /// Deals with the walks that arrived at diffuse triangles that do not emit; which lanes these are.
     #[inline(always)]
-    pub(super) fn diffuse_vertices<W: Wide>(&mut self, at: usize, active: u32, hits: &HitPacket) -> u32 {
+    pub(super) fn diffuse_vertices<W: Wide>(
+        &mut self,
+        walks: WalkLanes<W>,
+        active: u32,
+        hits: &HitPacket,
+    ) -> u32 {
         let mut fast = 0;
         let mut facets = [&NO_ROW; LANES];
         let mut materials: [Option<&Diffuse>; LANES] = [None; LANES];
@@ -129,7 +134,6 @@ impl<O: PathObserver> Step<'_, O> {
         if fast == 0 || self.depth >= self.tracer.max_depth() {
             return fast;
         }
-        let walks = self.wave.walks.lanes::<W>(at);
         let shading = (W::Mask::from_bits(smooth), load_vector::<W>(&normals));
         let points = self.points::<W>(&walks, hits, &facets, &materials, shading, fast);
         self.scatter::<W>(walks, &points, W::Mask::from_bits(fast));
@@ -206,9 +210,12 @@ impl<O: PathObserver> Step<'_, O> {
         let zero = splat(0.0);
         let tracer = self.tracer;
         let mut draws = Draws::<W> {
-            kind: self.wave.kind,
-            key: walks.key,
-            index: walks.index,
+            kind: self.wave.paths.kind(),
+            key: [
+                W::U32::gather(&self.wave.paths.key[0], walks.path),
+                W::U32::gather(&self.wave.paths.key[1], walks.path),
+            ],
+            index: W::U32::gather(&self.wave.paths.index, walks.path),
             dimension: walks.dimension,
         };
         let reflected = |pdf: W::F32| points.reflectance * pdf;
@@ -237,7 +244,6 @@ impl<O: PathObserver> Step<'_, O> {
                 origin,
                 direction: (light.target - origin).select(light.near, light.direction),
                 tfar: splat(1.0 - SHADOW_END).select(light.near, splat(f32::INFINITY)),
-                time: walks.time,
                 contribution,
                 path: walks.path,
             };
@@ -252,9 +258,9 @@ impl<O: PathObserver> Step<'_, O> {
         let mut throughput = walks.throughput * points.reflectance;
         let mut alive = fast & zero.lt(pdf) & throughput.is_lit();
         if self.depth >= tracer.roulette.start_depth {
-            let survival = (throughput.max_element() * walks.eta * walks.eta)
-                .max(zero)
-                .min(splat(tracer.roulette.max_survival));
+            let eta = W::F32::gather(&self.wave.paths.eta, walks.path);
+            let survival =
+                (throughput.max_element() * eta * eta).max(zero).min(splat(tracer.roulette.max_survival));
             let plays = survival.lt(splat(1.0));
             let before = draws.dimension;
             let u = draws.next_1d();

@@ -22,12 +22,12 @@ use super::path::Walk;
 use super::{PathObserver, PathTracer, WalkCounts};
 use crate::color::Spectrum;
 use crate::scene::Scene;
-use queue::{CAPACITY, ConnectionQueue, WalkQueue};
+use queue::{CAPACITY, ConnectionQueue, Paths, WalkLanes, WalkQueue};
 
 /// Walks that go together, and what they bring. Made once a thread and used again.
 #[derive(Debug)]
 pub struct Wave {
-    kind: SamplerKind,
+    paths: Paths,
     walks: WalkQueue,
     /// Walks on their way to the vertices after these.
     next: WalkQueue,
@@ -44,7 +44,7 @@ impl Wave {
     /// An empty wave of walks with random numbers of a kind.
     pub fn new(kind: SamplerKind) -> Self {
         Self {
-            kind,
+            paths: Paths::new(kind),
             walks: WalkQueue::new(),
             next: WalkQueue::new(),
             connections: ConnectionQueue::new(),
@@ -56,6 +56,7 @@ impl Wave {
     /// Forgets all walks and their radiance.
     pub fn clear(&mut self) {
         self.walks.clear();
+        self.paths.timed = false;
         self.clip.iter_mut().for_each(Vec::clear);
         self.radiance.clear();
     }
@@ -63,9 +64,11 @@ impl Wave {
     /// Adds a walk along a camera ray of unit direction; its path has the number of walks that were there before. Panics
     /// where the wave is full.
     pub fn push(&mut self, ray: &Ray, sampler: Sampler) {
-        debug_assert_eq!(sampler.kind(), self.kind);
+        debug_assert_eq!(sampler.kind(), self.paths.kind());
         let path = self.radiance.len() as u32;
-        self.walks.push(&Walk::new(*ray, sampler), path);
+        let walk = Walk::new(*ray, sampler);
+        self.paths.set(path, &walk);
+        self.walks.push(&walk, path);
         self.clip[0].push(ray.tnear);
         self.clip[1].push(ray.tfar);
         self.radiance.push(Spectrum::ZERO);
@@ -96,12 +99,14 @@ impl PathTracer {
         counts: &mut WalkCounts,
         observer: &mut impl PathObserver,
     ) {
+        wave.walks.keep_order();
         for depth in 1..=self.max_depth() {
             if wave.walks.len() == 0 {
                 break;
             }
             wide::dispatch(Step { tracer: self, scene, wave, counts, observer, depth });
             std::mem::swap(&mut wave.walks, &mut wave.next);
+            wave.walks.sort();
         }
         wave.walks.clear();
     }
@@ -147,16 +152,18 @@ impl<O: PathObserver> Kernel for Step<'_, O> {
         self.counts.rays.closest += walks as u64;
         let mut rays = RayPacket::default();
         for at in (0..walks).step_by(LANES) {
-            self.wave.walks.rays::<W>(at, &mut rays);
+            let lanes = self.wave.walks.lanes::<W>(at);
+            lanes.rays(&self.wave.paths, &mut rays);
             let active = lanes_from(at, walks);
             if self.depth == 1 {
                 for lane in lanes_of(active) {
-                    rays.tnear.0[lane] = self.wave.clip[0][at + lane];
-                    rays.tfar.0[lane] = self.wave.clip[1][at + lane];
+                    let path = self.wave.walks.path(at + lane);
+                    rays.tnear.0[lane] = self.wave.clip[0][path];
+                    rays.tfar.0[lane] = self.wave.clip[1][path];
                 }
             }
             let hits = self.scene.accel().closest_packet(&rays, active);
-            self.vertices::<W>(at, active, &rays, &hits);
+            self.vertices::<W>(lanes, at, active, &rays, &hits);
         }
         self.connect::<W>();
     }
@@ -165,9 +172,19 @@ impl<O: PathObserver> Kernel for Step<'_, O> {
 impl<O: PathObserver> Step<'_, O> {
     /// What sixteen walks do at their vertices.
     #[inline(always)]
-    fn vertices<W: Wide>(&mut self, at: usize, active: u32, rays: &RayPacket, hits: &HitPacket) {
-        let fast =
-            if self.observer.watches(self.depth) { 0 } else { self.diffuse_vertices::<W>(at, active, hits) };
+    fn vertices<W: Wide>(
+        &mut self,
+        walks: WalkLanes<W>,
+        at: usize,
+        active: u32,
+        rays: &RayPacket,
+        hits: &HitPacket,
+    ) {
+        let fast = if self.observer.watches(self.depth) {
+            0
+        } else {
+            self.diffuse_vertices::<W>(walks, active, hits)
+        };
         for lane in lanes_of(active & !fast) {
             self.vertex(at + lane, &rays.get(lane), hits, lane);
         }
@@ -176,7 +193,7 @@ impl<O: PathObserver> Step<'_, O> {
     /// What one walk does at its vertex.
     fn vertex(&mut self, at: usize, ray: &Ray, hits: &HitPacket, lane: usize) {
         let Self { tracer, scene, wave, counts, observer, depth } = self;
-        let (mut walk, path) = wave.walks.get(at, wave.kind);
+        let (mut walk, path) = wave.walks.get(at, &wave.paths);
         walk.ray = *ray;
         let point = hits
             .get(lane)
@@ -187,6 +204,7 @@ impl<O: PathObserver> Step<'_, O> {
             wave.connections.push(&connection, path);
         }
         if arrival.goes_on {
+            wave.paths.eta[path as usize] = walk.eta;
             wave.next.push(&walk, path);
         }
     }
@@ -198,13 +216,13 @@ impl<O: PathObserver> Step<'_, O> {
         let count = wave.connections.len();
         let mut rays = RayPacket::default();
         for at in (0..count).step_by(LANES) {
-            wave.connections.rays::<W>(at, &mut rays);
+            wave.connections.rays::<W>(at, &wave.paths, &mut rays);
             let active = lanes_from(at, count);
             if scene.has_holes() {
                 for lane in lanes_of(active) {
                     let transmittance = scene.transmittance(&rays.get(lane), &mut counts.rays);
                     let (contribution, path) = wave.connections.contribution(at + lane);
-                    wave.radiance[path as usize] += contribution * transmittance;
+                    wave.radiance[path] += contribution * transmittance;
                 }
                 continue;
             }
@@ -212,7 +230,7 @@ impl<O: PathObserver> Step<'_, O> {
             let occluded = scene.accel().occluded_packet(&rays, active);
             for lane in lanes_of(active & !occluded) {
                 let (contribution, path) = wave.connections.contribution(at + lane);
-                wave.radiance[path as usize] += contribution;
+                wave.radiance[path] += contribution;
             }
         }
     }
