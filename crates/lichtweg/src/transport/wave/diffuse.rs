@@ -259,8 +259,9 @@ impl<O: PathObserver> Step<'_, O> {
         let mut alive = fast & zero.lt(pdf) & throughput.is_lit();
         if self.depth >= tracer.roulette.start_depth {
             let eta = W::F32::gather(&self.wave.paths.eta, walks.path);
-            let survival =
-                (throughput.max_element() * eta * eta).max(zero).min(splat(tracer.roulette.max_survival));
+            let survival = (throughput.max_element() * eta * eta)
+                .max(zero)
+                .min(splat(tracer.roulette.max_survival));
             let plays = survival.lt(splat(1.0));
             let before = draws.dimension;
             let u = draws.next_1d();

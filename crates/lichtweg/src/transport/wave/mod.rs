@@ -195,9 +195,9 @@ impl<O: PathObserver> Step<'_, O> {
         let Self { tracer, scene, wave, counts, observer, depth } = self;
         let (mut walk, path) = wave.walks.get(at, &wave.paths);
         walk.ray = *ray;
-        let point = hits
-            .get(lane)
-            .and_then(|hit| scene.point(ray, &hit, &mut counts.rays, || walk.sampler.next_1d()));
+        let point = hits.get(lane).and_then(|hit| {
+            scene.point(ray, &hit, &mut counts.rays, || walk.sampler.next_1d())
+        });
         let arrival = tracer.arrive(scene, path, *depth, &mut walk, point.as_ref(), *observer);
         wave.radiance[path as usize] += arrival.emitted;
         if let Some(connection) = arrival.connection {
