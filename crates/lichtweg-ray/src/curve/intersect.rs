@@ -4,7 +4,7 @@
 //! of the others, chords are intersected and longer ranges searched in turn. The work is bounded by the number of chords.
 
 use super::bezier::{Bezier, Point4};
-use super::pieces::{Cut, FAN, Piece};
+use super::pieces::{FAN, Piece};
 use super::ray_space::RaySpace;
 use super::ribbon::Rung;
 use super::round::Entry;
@@ -116,7 +116,7 @@ impl Search<'_> {
     /// The first (`end` = 0) or last (`end` = 1) chord of another segment, from its end inwards.
     fn end_chord(&self, segment: u32, end: f64) -> [Point4; 2] {
         let cubic = Bezier::new(self.curves, segment, |p| self.space.point(p));
-        let step = 1.0 / f64::from(Cut::of(self.curves, segment).chords());
+        let step = 1.0 / f64::from(self.curves.chords(segment));
         [cubic.at(end), cubic.at((end - step).abs())]
     }
 

@@ -28,7 +28,10 @@ mod tests;
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::math::Vec3;
+use pieces::Cut;
 pub(crate) use pieces::{Piece, Unusable, pieces};
 pub(crate) use ray_space::RaySpace;
 pub use surface::CurveSurface;
@@ -130,6 +133,8 @@ pub struct Curves {
     basis: CurveBasis,
     points: Arc<[CurvePoint]>,
     segments: Arc<[Segment]>,
+    /// One a segment.
+    cuts: Arc<[Cut]>,
     /// Unit, or zero where they could not be normalised; for ribbons only.
     normals: Arc<[Vec3]>,
 }
@@ -177,7 +182,10 @@ impl Curves {
             return Err(CurveError::NormalsDiffer { needed, normals: normals.len() });
         }
         let normals = normals.iter().map(|n| n.try_normalized().unwrap_or(Vec3::ZERO)).collect();
-        Ok(Self { style, basis, points, segments: segments.into(), normals })
+        let count = segments.len() as u32;
+        let uncut = Self { style, basis, points, segments: segments.into(), cuts: Arc::new([]), normals };
+        let cuts = (0..count).into_par_iter().map(|segment| Cut::new(&uncut, segment)).collect();
+        Ok(Self { cuts, ..uncut })
     }
 
     /// What rays see.
@@ -198,6 +206,11 @@ impl Curves {
     /// Number of segments: the primitives that hits name.
     pub fn segment_count(&self) -> usize {
         self.segments.len()
+    }
+
+    /// Number of chords of a segment.
+    fn chords(&self, segment: u32) -> u32 {
+        self.cuts[segment as usize].chords()
     }
 
     /// The segment that goes on where this one ends.

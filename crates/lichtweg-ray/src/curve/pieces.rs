@@ -57,14 +57,16 @@ impl Cut {
         u32::from(self.pieces) * FAN.pow(self.levels.into())
     }
 
-    /// The cut of a segment of finite points.
-    pub(crate) fn of(curves: &Curves, segment: u32) -> Self {
+    /// The cut that suits a segment; any where its points are not finite.
+    pub(crate) fn new(curves: &Curves, segment: u32) -> Self {
         let cubic = Bezier::new(curves, segment, |p| p);
+        let bend = cubic.bend();
+        let area = |pieces| area(&cubic, bend, pieces);
         let mut pieces = 1;
-        while pieces < MAX_PIECES && area(&cubic, 2 * pieces) <= WORTHWHILE * area(&cubic, pieces) {
+        while pieces < MAX_PIECES && area(2 * pieces) <= WORTHWHILE * area(pieces) {
             pieces *= 2;
         }
-        let mut needed = (cubic.bend() / (8.0 * TOLERANCE * cubic.largest_radius())).sqrt();
+        let mut needed = (bend / (8.0 * TOLERANCE * cubic.largest_radius())).sqrt();
         if curves.style == CurveStyle::Ribbon {
             needed = needed.max(turn(curves.end_normals(segment)) / TWIST);
         }
@@ -85,9 +87,9 @@ fn turn([a, b]: [Vec3; 2]) -> f64 {
 }
 
 /// The sum of the half areas of the boxes of so many pieces, about.
-fn area(cubic: &Bezier, pieces: u32) -> f64 {
+fn area(cubic: &Bezier, bend: f64, pieces: u32) -> f64 {
     let step = 1.0 / f64::from(pieces);
-    let deviation = cubic.bend() * step * step / 8.0;
+    let deviation = bend * step * step / 8.0;
     let half_area = |i: u32| {
         let (a, b) = (cubic.at(f64::from(i) * step), cubic.at(f64::from(i + 1) * step));
         let width = 2.0 * (a[3].max(b[3]) + deviation);
@@ -138,7 +140,7 @@ pub(crate) fn pieces(curves: &Curves, segment: u32) -> Result<impl Iterator<Item
     if flat || control.iter().all(|p| p.radius == 0.0) {
         return Err(Unusable::Thin);
     }
-    let cut = Cut::of(curves, segment);
+    let cut = curves.cuts[segment as usize];
     let chords = f64::from(cut.chords());
     let bend = Bezier::new(curves, segment, |p| p).bend();
     let deviation = ((bend / (8.0 * chords * chords)) as f32).next_up();

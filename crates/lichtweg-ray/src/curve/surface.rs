@@ -6,7 +6,6 @@
 
 use super::bezier::{Bezier, Point4};
 use super::intersect::rung;
-use super::pieces::Cut;
 use super::ray_space::RaySpace;
 use super::{CurveBasis, CurvePoint, CurveStyle, Curves, ribbon};
 use crate::math::Vec3;
@@ -47,7 +46,7 @@ impl<'a> Place<'a> {
     fn new(curves: &'a Curves, ray: &Ray, segment: u32, u: f32) -> Self {
         let space = RaySpace::new(ray);
         let cubic = Bezier::new(curves, segment, |p| space.point(p));
-        let chords = f64::from(Cut::of(curves, segment).chords());
+        let chords = f64::from(curves.chords(segment));
         let u = f64::from(u.clamp(0.0, 1.0));
         let begin = (u * chords).floor().min(chords - 1.0);
         let ends = [begin, begin + 1.0].map(|i| (i / chords, cubic.at(i / chords)));

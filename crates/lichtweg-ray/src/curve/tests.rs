@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::bezier::{Bezier, Point4};
 use super::intersect::CurveHit;
-use super::pieces::{Cut, pieces};
+use super::pieces::pieces;
 use super::ray_space::RaySpace;
 use super::{CurveBasis, CurveError, CurvePoint, CurveStyle, Curves, ribbon, round};
 use crate::Ray;
@@ -210,7 +210,7 @@ proptest! {
             (vector(p), vector(across), vector([tx, ty, tz]).normalized())
         };
         let (p, across, tangent) = place(u);
-        let step = 1.0 / f64::from(Cut::of(&curves, segment).chords());
+        let step = 1.0 / f64::from(curves.chords(segment));
         let turns = [u - step, u + step].into_iter().any(|w| place(w.clamp(0.0, 1.0)).1.dot(across) < 0.98);
         let origin = from.try_normalized().unwrap_or(Vec3::X) * 20.0;
         let ray = Ray::new(origin, p - origin);
@@ -243,7 +243,7 @@ proptest! {
         let mut best: Option<f32> = None;
         for segment in 0..curves.segment_count() as u32 {
             let cubic = cubic(&curves, segment, &ray);
-            let n = Cut::of(&curves, segment).chords();
+            let n = curves.chords(segment);
             for i in 0..n {
                 let at = |i: u32| cubic.at(f64::from(i) / f64::from(n));
                 if let Some(entry) = round::enter(&at(i), &at(i + 1)) {
