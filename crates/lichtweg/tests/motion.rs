@@ -7,14 +7,16 @@ mod common;
 
 use std::sync::Arc;
 
-use common::build::{Build, CYLINDER, DISK, SPHERE, chain, cube, glow, grid, rectangle};
+use common::build::{
+    Build, CYLINDER, DISK, SPHERE, bitmap, chain, checkerboard, cube, glow, grid, metal, rectangle, rough,
+};
 use common::judge::{ALPHA, assert_pairwise_agreement};
 use common::run::{camera, compile_scene, film, render};
 use lichtweg::camera::Camera;
 use lichtweg::scene::RayCounts;
 use lichtweg::scene::description::{
     CameraDescription, Description, Diagnostics, GroupId, InstanceDescription, LightKind, MaterialKind,
-    ShapeDescription, Span, SpectrumDescription, TextureInput, TextureKind, UvTransform,
+    MicrofacetKind, ShapeDescription, Span, SpectrumDescription, TextureFilter, TextureInput,
 };
 use lichtweg_montecarlo::hypothesis::{sidak, z_test};
 use lichtweg_ray::math::{Affine, Motion, Vec3};
@@ -152,17 +154,22 @@ fn still_life() -> (Description, Vec<ShapeDescription>, Vec<Affine>) {
         intensity: SpectrumDescription::Constant(90.0),
     });
     environment(&mut d);
-    let to_uv = UvTransform { rows: [[5.0, 0.0, 0.0], [0.0, 3.0, 0.0]] };
-    let (even, odd) = (TextureInput::rgb([0.8, 0.3, 0.1]), TextureInput::rgb([0.1, 0.4, 0.7]));
-    let checks = d.texture(TextureKind::Checkerboard { even, odd, to_uv });
+    let checks = d.texture(checkerboard([0.8, 0.3, 0.1], [0.1, 0.4, 0.7], 5.0));
     let diffuse = d.material(MaterialKind::Diffuse { reflectance: checks });
     let diffuse = d.two_sided(diffuse);
+    let hills: Vec<[f32; 3]> = (0..16).map(|i| [(i * 7 % 16) as f32 / 16.0; 3]).collect();
+    let TextureInput::Texture(height) = d.texture(bitmap(4, &hills, TextureFilter::Bilinear)) else {
+        unreachable!()
+    };
+    let bumpy = d.material(MaterialKind::Bump { height, scale: 0.1, nested: diffuse });
+    let brushed = d.material(metal(rough(MicrofacetKind::Ggx, 0.5, 0.1)));
+    let brushed = d.two_sided(brushed);
     let wave = |x: f32, y: f32| Vec3::new(x, y, 0.2 * (3.0 * x).sin() * (2.0 * y).cos());
     let unit = Affine::IDENTITY;
-    d.shape(grid(40, wave, true), unit, diffuse);
-    d.shape(cube(), chain(&[shift(0.0, 0.0, -1.0), Affine::scaling(0.5, 0.5, 0.5)]), diffuse);
-    d.shape(SPHERE, chain(&[shift(0.9, 0.3, 0.6), Affine::scaling(0.4, 0.3, 0.5)]), diffuse);
-    d.shape(CYLINDER, chain(&[shift(-0.9, 0.0, 0.2), Affine::scaling(0.2, 0.3, 0.8)]), diffuse);
+    d.shape(grid(40, wave, true), unit, brushed);
+    d.shape(cube(), chain(&[shift(0.0, 0.0, -1.0), Affine::scaling(0.5, 0.5, 0.5)]), bumpy);
+    d.shape(SPHERE, chain(&[shift(0.9, 0.3, 0.6), Affine::scaling(0.4, 0.3, 0.5)]), brushed);
+    d.shape(CYLINDER, chain(&[shift(-0.9, 0.0, 0.2), Affine::scaling(0.2, 0.3, 0.8)]), bumpy);
     d.shape(DISK, chain(&[shift(-0.4, 0.5, 0.9), Affine::scaling(0.4, 0.4, 0.4)]), diffuse).flip_normals =
         true;
     let places = vec![

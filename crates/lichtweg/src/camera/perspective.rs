@@ -26,6 +26,8 @@ pub struct Camera {
     focus_distance: f32,
     near: f32,
     far: f32,
+    /// Whether rays tell their time, which costs those who follow them.
+    tells_time: bool,
 }
 
 /// Where a camera is.
@@ -89,7 +91,13 @@ impl Camera {
             focus_distance: description.focus_distance,
             near: description.near_clip.max(0.0),
             far: description.far_clip,
+            tells_time: description.shutter[0] < description.shutter[1],
         })
+    }
+
+    /// The same camera for a scene in which nothing moves: the time of all rays is 0.
+    pub fn for_still_scene(self) -> Self {
+        Self { tells_time: false, ..self }
     }
 
     /// The ray through a film point, a lens point and a time, each from uniform numbers. Its direction has unit length; its
@@ -111,6 +119,7 @@ impl Camera {
         let per_depth = 1.0 / direction.z;
         let origin = view.origin + left * lx + up * ly;
         let direction = left * direction.x + up * direction.y + forward * direction.z;
+        let time = if self.tells_time { time } else { 0.0 };
         Ray::new(origin, direction).between(self.near * per_depth, self.far * per_depth).at_time(time)
     }
 }

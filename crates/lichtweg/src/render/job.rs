@@ -158,8 +158,9 @@ impl Job {
             );
             return None;
         }
+        let camera = Camera::compile(&description.camera, width, height, diagnostics)?;
         Some(Self {
-            camera: Camera::compile(&description.camera, width, height, diagnostics)?,
+            camera: if description.moves() { camera } else { camera.for_still_scene() },
             filter,
             tracer: PathTracer::new(&description.integrator),
             sampler: description.sampler.kind,

@@ -16,6 +16,8 @@ mod shape;
 mod spectrum;
 mod texture;
 
+use lichtweg_ray::Placement;
+
 pub use camera::{CameraDescription, FieldOfView, FilmDescription, FilterDescription, FilterKind, FovAxis};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceMap, Span};
 pub use integrator::{
@@ -77,5 +79,10 @@ impl Description {
     pub fn add_group(&mut self) -> GroupId {
         self.groups += 1;
         GroupId(self.groups - 1)
+    }
+
+    /// Whether anything but the camera moves.
+    pub fn moves(&self) -> bool {
+        self.instances.iter().any(|i| matches!(i.to_world, Placement::Moving(_)))
     }
 }
