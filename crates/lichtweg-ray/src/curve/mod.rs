@@ -1,8 +1,8 @@
 //! Curves: hair, fur, grass, threads.
 //!
 //! A curve is a chain of segments; a segment is a cubic (or a line) c(u), u in [0, 1], with a radius r(u) from
-//! the same basis. It is hit as a chain of straight chords between its points at u = 0, 1/n, 2/n, ..., where n
-//! is such that the cubic is nowhere further from its chords than a small part of its radius (see [`pieces`]).
+//! the same basis. It is hit as a chain of straight chords between its points at u = 0, 1/n, 2/n, ..., where n,
+//! at most 512, is such that the cubic is nowhere further from its chords than 1/128 of its largest radius.
 //! What a ray sees of a chord depends on the style:
 //!
 //! * [`CurveStyle::Round`]: the union of the balls between the chord's ends, a cone with two spheres. So curves
@@ -13,7 +13,7 @@
 //! * [`CurveStyle::Ribbon`]: a band of triangles about the axis, turned by normals that are interpolated on the
 //!   sphere (pbrt's `ribbon`, but intersected as the surface that it is).
 //!
-//! The arithmetic is `f64` in a frame about the ray (see [`ray_space`]).
+//! The arithmetic is `f64` in a frame about the ray.
 
 mod bezier;
 mod flat;
