@@ -15,6 +15,7 @@ use lichtweg_io::mitsuba::{read, read_str};
 use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_montecarlo::SamplerKind;
 use lichtweg_ray::math::{Affine, Vec3};
+use lichtweg_ray::{CurveBasis, CurvePoint, CurveStyle};
 
 fn file(path: &str, defines: &[(&str, &str)]) -> Description {
     let defines = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
@@ -437,4 +438,14 @@ fn animations_move_shapes_instances_and_sensors() {
     }
     let moved = scene.shapes.last().unwrap();
     assert_eq!((moved.group, moved.to_world.vector(Vec3::X)), (Some(ball.group), 2.0 * Vec3::X));
+}
+
+#[test]
+fn curves_come_from_files_with_their_radii_as_they_are() {
+    let body = "<shape type=\"linearcurve\"><string name=\"filename\" value=\"part/curves.txt\"/>
+        <transform name=\"to_world\"><scale value=\"2\"/></transform></shape>";
+    let GeometryDescription::Curves(curves) = shape(body).geometry else { panic!("no curves") };
+    assert_eq!((curves.basis, curves.style), (CurveBasis::Linear, CurveStyle::Round));
+    assert_eq!((&curves.counts[..], curves.scales_radii), (&[2, 4][..], false));
+    assert_eq!(curves.points[1], CurvePoint { position: Vec3::new(1.0, 1.4, 1.2), radius: 0.25 });
 }

@@ -149,6 +149,31 @@ fn quadrics_are_units() {
     assert!(close(cylinder.to_world.point(Vec3::new(0.0, 1.0, 2.0)), Vec3::new(0.0, 2.0, 4.0)));
 }
 
+#[test]
+fn curves_are_cubic_bezier_segments() {
+    use lichtweg_ray::CurveStyle;
+    let curves = |text: &str| match &read("", &format!("Shape \"curve\" {text}")).shapes[0].geometry {
+        GeometryDescription::Curves(curves) => (**curves).clone(),
+        other => panic!("no curves: {other:?}"),
+    };
+    let spline = curves(
+        "\"string type\" \"cylinder\" \"string basis\" \"bspline\" \"float width0\" 2 \"float width1\" 0
+         \"integer splitdepth\" 3 \"point3 P\" [0 0 0  6 0 0  6 6 0  0 6 0  0 0 0]",
+    );
+    assert_eq!((spline.style, spline.counts), (CurveStyle::Round, vec![7]));
+    assert!(close(spline.points[0].position, Vec3::new(5.0, 1.0, 0.0)));
+    assert!(close(spline.points[3].position, Vec3::new(5.0, 5.0, 0.0)));
+    let radii: Vec<f32> = spline.points.iter().map(|p| p.radius).collect();
+    assert!(radii.iter().enumerate().all(|(i, r)| (r - (1.0 - i as f32 / 6.0)).abs() < 1e-6));
+    let plain = curves("\"point3 P\" [0 0 0  1 0 0  2 0 0  3 0 0]");
+    assert_eq!((plain.style, plain.points[2].radius, plain.scales_radii), (CurveStyle::Flat, 0.5, true));
+    let quadratic = "\"integer degree\" 2 \"string type\" \"ribbon\" \"normal N\" [0 0 1  0 1 0]
+         \"point3 P\" [0 0 0  3 0 0  6 6 0]";
+    let ribbon = curves(quadratic);
+    assert!(close(ribbon.points[1].position, Vec3::new(2.0, 0.0, 0.0)));
+    assert_eq!((ribbon.style, ribbon.normals), (CurveStyle::Ribbon, vec![Vec3::Z, Vec3::Y]));
+}
+
 /// The outside of the first shape's first triangle, in the world, as the description defines it.
 fn outside(scene: &Description) -> Vec3 {
     let shape = &scene.shapes[0];

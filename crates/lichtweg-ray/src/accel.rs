@@ -45,13 +45,15 @@ pub struct BuildReport {
     pub triangles: usize,
     /// Quadrics in the structure.
     pub quadrics: usize,
+    /// Segments of curves in the structure.
+    pub curve_segments: usize,
     /// Instances in the structure.
     pub instances: usize,
     /// Primitives of the caller's own in the structure.
     pub user_primitives: usize,
-    /// Triangles left out because they have no area.
+    /// Triangles and curve segments left out because they have no area.
     pub dropped_degenerate: usize,
-    /// Primitives left out because a coordinate is NaN, infinite or beyond 2^40.
+    /// Primitives left out because a coordinate is NaN, infinite or beyond 2^40, or a radius negative.
     pub dropped_non_finite: usize,
     /// Inner nodes.
     pub nodes: usize,

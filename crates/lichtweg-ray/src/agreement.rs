@@ -6,7 +6,8 @@ use crate::bvh::Block;
 use crate::math::{Affine, Motion, Vec3};
 use crate::simd::Isa;
 use crate::{
-    Accel, BuildOptions, BuildQuality, Geometry, Instance, MovingMesh, Quadric, QuadricShape, Ray, TriangleMesh,
+    Accel, BuildOptions, BuildQuality, CurveBasis, CurvePoint, CurveStyle, Curves, Geometry, Instance,
+    MovingMesh, Quadric, QuadricShape, Ray, TriangleMesh,
 };
 
 /// A linear congruential generator (Knuth's MMIX constants), values in [-1, 1).
@@ -49,7 +50,7 @@ pub(crate) fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
     all
 }
 
-/// Triangles on and off a coarse grid, and a few quadrics.
+/// Triangles on and off a coarse grid, a few quadrics, and hairs.
 pub(crate) fn still(random: &mut Random, triangles: usize) -> Vec<Geometry> {
     let mut positions = Vec::new();
     for i in 0..triangles {
@@ -65,6 +66,11 @@ pub(crate) fn still(random: &mut Random, triangles: usize) -> Vec<Geometry> {
         let object_to_world = Affine::translation(at.x.into(), at.y.into(), at.z.into())
             .after(&Affine::scaling(0.05, 0.08, 0.03));
         all.push(Quadric { shape: QuadricShape::SPHERE, object_to_world }.into());
+    }
+    for style in [CurveStyle::Round, CurveStyle::Flat] {
+        let point = |_| CurvePoint { position: random.point(), radius: 0.02 + 0.01 * random.next() };
+        let points: Vec<CurvePoint> = (0..60).map(point).collect();
+        all.push(Curves::new(style, CurveBasis::BSpline, points, &[30, 30], &[]).unwrap().into());
     }
     all
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::curve::Curves;
 use crate::kind::{Instance, MovingMesh, Quadric, UserPrimitives};
 use crate::math::Vec3;
 
@@ -35,6 +36,8 @@ pub enum Geometry {
     Triangles(TriangleMesh),
     /// A quadric under an affine map.
     Quadric(Quadric),
+    /// Curves; a primitive is a segment.
+    Curves(Curves),
     /// A triangle mesh with moving vertices.
     MovingTriangles(MovingMesh),
     /// Another structure, under an affine map that may move.
@@ -51,6 +54,7 @@ impl Geometry {
             Self::Quadric(_) | Self::Instance(_) => 1,
             Self::MovingTriangles(mesh) => mesh.indices.len(),
             Self::User(user) => user.count(),
+            Self::Curves(curves) => curves.segment_count(),
         }
     }
 }
@@ -64,6 +68,12 @@ impl From<TriangleMesh> for Geometry {
 impl From<Quadric> for Geometry {
     fn from(quadric: Quadric) -> Self {
         Self::Quadric(quadric)
+    }
+}
+
+impl From<Curves> for Geometry {
+    fn from(curves: Curves) -> Self {
+        Self::Curves(curves)
     }
 }
 

@@ -70,6 +70,7 @@ mod bvh;
 pub mod counts;
 #[cfg(not(feature = "count"))]
 mod counts;
+mod curve;
 mod geometry;
 mod kind;
 pub mod math;
@@ -82,6 +83,7 @@ mod triangle;
 pub mod wide;
 
 pub use accel::{Accel, BuildError, BuildOptions, BuildQuality, BuildReport};
+pub use curve::{CurveBasis, CurveError, CurvePoint, CurveStyle, CurveSurface, Curves};
 pub use geometry::{Geometry, TriangleMesh};
 pub use kind::{Instance, MovingMesh, Placement, Quadric, QuadricShape, UserHit, UserPrimitives};
 pub use packet::{HitPacket, RayPacket};

@@ -233,6 +233,7 @@ fn shape_kind(geometry: &GeometryDescription) -> &'static str {
         GeometryDescription::Sphere { .. } => "sphere",
         GeometryDescription::Disk { .. } => "disk",
         GeometryDescription::Cylinder { .. } => "cylinder",
+        GeometryDescription::Curves(_) => "curves",
     }
 }
 

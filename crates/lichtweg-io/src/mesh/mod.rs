@@ -1,4 +1,4 @@
-//! Triangle meshes from files: Wavefront OBJ, Stanford PLY and Mitsuba's `.serialized`.
+//! Triangle meshes from files: Wavefront OBJ, Stanford PLY and Mitsuba's `.serialized`; and Mitsuba's curves.
 //!
 //! Every reader returns one [`Mesh`]: polygons cut into triangle fans, one index a corner. Each comes in two forms,
 //! `read_*` for a path and `parse_*` for bytes already in memory.
@@ -15,6 +15,7 @@
 //! Limits: everything that is not a triangle surface (lines, points, free-form surfaces, materials, vertex colours) is
 //! left out.
 
+mod curves;
 mod error;
 mod file;
 mod finish;
@@ -29,6 +30,7 @@ use std::path::Path;
 
 use lichtweg::scene::description::Mesh;
 
+pub use curves::{parse_curves, read_curves};
 pub use error::{MeshError, Place};
 pub(crate) use file::read_regular_file;
 pub use normals::smooth_normals;

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use lichtweg::scene::description::{
-    Description, Diagnostic, Diagnostics, GeometryDescription, Image, LightKind, Mesh, Span,
-    SpectrumDescription, TextureId, TextureKind,
+    CurvesDescription, Description, Diagnostic, Diagnostics, GeometryDescription, Image, LightKind, Mesh,
+    Span, SpectrumDescription, TextureId, TextureKind,
 };
+use lichtweg_ray::CurveBasis;
 use rayon::prelude::*;
 
 use crate::image::read_image;
@@ -32,6 +33,11 @@ pub(super) enum Asset {
         flip_v: bool,
         /// Leave out normals.
         face_normals: bool,
+    },
+    Curves {
+        path: PathBuf,
+        /// Lines rather than B-splines.
+        linear: bool,
     },
     Image {
         path: PathBuf,
@@ -71,6 +77,7 @@ enum Contents {
         /// Its normals come from its faces, and so turn with their winding.
         normals_from_faces: bool,
     },
+    Curves(Arc<CurvesDescription>),
     Image(Arc<Image>),
 }
 
@@ -97,7 +104,7 @@ impl Assets {
         let mut gone = Gone::default();
         for ((asset, targets), loaded) in self.files.iter().zip(loaded) {
             match asset {
-                Asset::Mesh { .. } => report.mesh_seconds += loaded.seconds,
+                Asset::Mesh { .. } | Asset::Curves { .. } => report.mesh_seconds += loaded.seconds,
                 Asset::Image { .. } => report.image_seconds += loaded.seconds,
             }
             for warning in loaded.warnings {
@@ -119,7 +126,7 @@ impl Assets {
 impl Asset {
     fn path(&self) -> &Path {
         match self {
-            Self::Mesh { path, .. } | Self::Image { path } => path,
+            Self::Mesh { path, .. } | Self::Curves { path, .. } | Self::Image { path } => path,
         }
     }
 
@@ -141,6 +148,11 @@ impl Asset {
                     }
                     Err(error) => (Err(error.diagnostic()), Vec::new()),
                 }
+            }
+            Self::Curves { path, linear } => {
+                let basis = if *linear { CurveBasis::Linear } else { CurveBasis::BSpline };
+                let curves = mesh::read_curves(path, basis);
+                (curves.map(|c| Contents::Curves(Arc::new(c))).map_err(|e| e.diagnostic()), Vec::new())
             }
             Self::Image { path } => match read_image(path) {
                 Ok(loaded) => (Ok(Contents::Image(Arc::new(loaded.image))), loaded.warnings),
@@ -172,6 +184,9 @@ impl Contents {
                 // Mitsuba 3 winds faces after placing them in the world, so a mirror turns those meshes inside out whose
                 // normals come from their faces.
                 shape.flip_normals ^= *normals_from_faces && shape.to_world.determinant() < 0.0;
+            }
+            (Self::Curves(curves), Place::Shape(index)) => {
+                description.shapes[index].geometry = GeometryDescription::Curves(Arc::clone(curves));
             }
             (Self::Image(image), Place::Texture(id)) => {
                 if let TextureKind::Bitmap { image: empty, .. } =

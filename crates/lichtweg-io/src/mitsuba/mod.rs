@@ -14,6 +14,7 @@
 mod assets;
 mod blackbody;
 mod color;
+mod curve;
 mod definitions;
 mod element;
 mod emitter;

@@ -1,4 +1,5 @@
-//! Shapes: what they have in common, groups of them and instances. Their forms are in `quadric` and `mesh_shape`.
+//! Shapes: what they have in common, groups of them and instances. Their forms are in `quadric`, `mesh_shape` and
+//! `curve`.
 //!
 //! A shape that moves is a group of one with an instance that moves.
 
@@ -13,8 +14,20 @@ use super::assets::{Asset, Place, Target};
 use super::translate::Translator;
 use super::tree::{Class, Object, ObjectId};
 
-const KNOWN: [&str; 10] =
-    ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "cylinder", "shapegroup", "instance"];
+const KNOWN: [&str; 12] = [
+    "obj",
+    "ply",
+    "serialized",
+    "rectangle",
+    "cube",
+    "sphere",
+    "disk",
+    "cylinder",
+    "linearcurve",
+    "bsplinecurve",
+    "shapegroup",
+    "instance",
+];
 
 /// A shape's form, before its place in the world.
 pub(super) struct Form {
@@ -146,6 +159,7 @@ impl<'a> Translator<'a> {
             "rectangle" => Some(self.rectangle(object)),
             "cube" => Some(self.cube(object)),
             "obj" | "ply" | "serialized" => self.mesh_file(object),
+            "linearcurve" | "bsplinecurve" => self.curve_file(object),
             _ => {
                 self.unknown_plugin(object, &KNOWN, "the shape is left out");
                 None

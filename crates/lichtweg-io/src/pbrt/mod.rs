@@ -19,6 +19,7 @@ mod blocks;
 mod build;
 mod camera;
 mod color_space;
+mod curve;
 mod directives;
 mod files;
 mod film;

@@ -243,14 +243,26 @@ impl Params {
 
     /// One integer of at least `least`.
     pub fn integer(&self, name: &'static str, default: i32, least: i32, report: &mut Report) -> i32 {
+        let must = format!("must be at least {least}");
+        self.integer_where(name, default, |value| value >= least, &must, report)
+    }
+
+    /// One integer for which `holds`; otherwise says that it `must` and takes the default.
+    pub fn integer_where(
+        &self,
+        name: &'static str,
+        default: i32,
+        holds: impl Fn(i32) -> bool,
+        must: &str,
+        report: &mut Report,
+    ) -> i32 {
         let Some(param) = self.one(name, Type::Integer, report) else { return default };
         let Values::Integers(values) = &param.values else { return default };
         let value = values.first().copied().unwrap_or(default);
-        if value >= least {
+        if holds(value) {
             return value;
         }
-        let must = format!("must be at least {least}");
-        self.complain(name, Type::Integer, format!("\"{name}\" {must}, but is {value}"), &must, report);
+        self.complain(name, Type::Integer, format!("\"{name}\" {must}, but is {value}"), must, report);
         default
     }
 

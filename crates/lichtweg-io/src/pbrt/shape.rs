@@ -6,7 +6,7 @@
 //! `power` of an area light: pbrt's lights are single triangles, each of which gets the whole power. A mesh here has one
 //! radiance, that with which its total is the same.
 //!
-//! Limits: no curves, no subdivision surfaces, no bilinear patches, no displacement of meshes; `S` is not used.
+//! Limits: no subdivision surfaces, no bilinear patches, no displacement of meshes; `S` is not used.
 
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
@@ -150,13 +150,14 @@ impl Builder<'_> {
 
     /// The form, its placement in the shape's space, and for quadrics the area that pbrt takes it to have.
     fn geometry(&mut self, entity: &Entity) -> Option<(GeometryDescription, Affine, f32)> {
-        const UNSUPPORTED: [&str; 3] = ["bilinearmesh", "curve", "loopsubdiv"];
-        const SUPPORTED: [&str; 5] = ["cylinder", "disk", "plymesh", "sphere", "trianglemesh"];
+        const UNSUPPORTED: [&str; 2] = ["bilinearmesh", "loopsubdiv"];
+        const SUPPORTED: [&str; 6] = ["curve", "cylinder", "disk", "plymesh", "sphere", "trianglemesh"];
         let params = &entity.params;
         match entity.kind.as_str() {
             "sphere" => self.sphere(entity),
             "disk" => Some(self.disk(params)),
             "cylinder" => self.cylinder(entity),
+            "curve" => Some((self.curve(entity)?, Affine::IDENTITY, 0.0)),
             "trianglemesh" => {
                 let mesh = self.triangle_mesh(entity)?;
                 Some((GeometryDescription::Mesh(Arc::new(mesh)), Affine::IDENTITY, 0.0))

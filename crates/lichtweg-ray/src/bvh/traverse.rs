@@ -91,11 +91,11 @@ impl Best {
         Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING }
     }
 
-    /// Takes a hit with `t <= self.t`, if it is the better one: of equally near ones the lowest number wins, and
-    /// nothing has the highest.
+    /// Takes a hit with `t <= self.t`, if it is the better one: of equally near ones the lowest number wins, then
+    /// the lowest u, and nothing has the highest number.
     #[inline(always)]
     pub(crate) fn consider(&mut self, hit: TriangleHit, id: u32) -> bool {
-        let better = hit.t < self.t || id < self.id;
+        let better = hit.t < self.t || id < self.id || (id == self.id && hit.u < self.u);
         if better {
             *self = Self { t: hit.t, u: hit.u, v: hit.v, id };
         }

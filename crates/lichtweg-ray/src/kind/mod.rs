@@ -14,6 +14,7 @@
 //! all orders of traversal rest on this. Boxes must contain the hits that `intersect` reports with the margin that
 //! `bvh::slab` asks for. A kind that uses lanes dispatches on [`Probe::isa`] itself, as `bvh::query` does.
 
+mod curve;
 mod instance;
 mod moving;
 mod quadric;
@@ -34,6 +35,7 @@ use crate::math::{Bounds3, Vec3};
 use crate::ray::{Accept, Hit, Ray, unit_time};
 use crate::simd::Isa;
 use crate::triangle::Shear;
+use curve::PreparedCurves;
 use instance::PlacedInstance;
 use quadric::PlacedQuadric;
 
@@ -43,6 +45,7 @@ pub(crate) enum Kind {
     /// Static triangles: they live in blocks and are not asked here.
     Triangles,
     Quadric(PlacedQuadric),
+    Curves(PreparedCurves),
     MovingTriangles(MovingMesh),
     Instance(PlacedInstance),
     User(Arc<dyn UserPrimitives>),
@@ -81,6 +84,7 @@ impl Kind {
         Ok(match source {
             Geometry::Triangles(_) => Self::Triangles,
             Geometry::Quadric(quadric) => Self::Quadric(PlacedQuadric::new(geometry, quadric)?),
+            Geometry::Curves(curves) => Self::Curves(PreparedCurves::new(curves)),
             Geometry::MovingTriangles(mesh) => {
                 mesh.check(geometry)?;
                 Self::MovingTriangles(mesh.clone())
@@ -95,6 +99,7 @@ impl Kind {
         match self {
             Self::Triangles => Vec::new(),
             Self::Quadric(quadric) => vec![quadric.bounds()],
+            Self::Curves(curves) => curves.boxes(),
             Self::MovingTriangles(mesh) => mesh.boxes(),
             Self::Instance(instance) => vec![instance.bounds],
             Self::User(user) => (0..user.count() as u32).map(|primitive| user.bounds(primitive)).collect(),
@@ -114,6 +119,7 @@ impl Kind {
         match self {
             Self::Triangles | Self::MovingTriangles(_) => report.triangles += items,
             Self::Quadric(_) => report.quadrics += items,
+            Self::Curves(curves) => curves.count(report),
             Self::Instance(_) => report.instances += items,
             Self::User(_) => report.user_primitives += items,
         }
@@ -131,6 +137,7 @@ impl Kind {
                 let t = quadric.intersect(probe.ray, tnear, tfar)?;
                 Some(Candidate { t, u: 0.0, v: 0.0, primitive: 0 })
             }
+            Self::Curves(curves) => curves.intersect(item, probe, tnear, tfar),
         }
     }
 
@@ -142,6 +149,7 @@ impl Kind {
                 let (u, v) = quadric.parameters(ray, hit.t);
                 Hit { u, v, ..hit }
             }
+            Self::Curves(curves) => curves.completed(ray, hit),
             _ => hit,
         }
     }
@@ -151,6 +159,7 @@ impl Kind {
         match self {
             Self::Triangles => Vec3::ZERO,
             Self::Quadric(quadric) => quadric.normal(ray, hit.t),
+            Self::Curves(curves) => curves.normal(ray, hit),
             Self::MovingTriangles(mesh) => mesh.normal(hit.primitive, ray.time),
             Self::Instance(instance) => instance.normal(ray, hit),
             Self::User(user) => user.normal(hit.primitive, ray, &UserHit { t: hit.t, u: hit.u, v: hit.v }),
@@ -187,7 +196,7 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
         };
         let Some((hit, primitive)) = nearest else { continue };
         let id = accel.bvh.numbering.number(item.geometry, primitive);
-        if best.is_none_or(|(b, best_id)| hit.t < b.t || id < best_id) {
+        if best.is_none_or(|(b, best_id)| hit.t < b.t || (id, hit.u) < (best_id, b.u)) {
             tfar = hit.t;
             best = Some((hit, id));
         }

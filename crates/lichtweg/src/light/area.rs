@@ -78,6 +78,7 @@ impl EmissionSampling {
                 Some((center, radius)) => Self::Sphere { center, radius },
                 None => Self::Quadric,
             }),
+            Form::Curves(_) => None,
         }
     }
 }
@@ -325,7 +326,7 @@ impl AreaLight {
                 };
                 (0..GRID * GRID).map(inverse_pdf).sum::<f32>() / (GRID * GRID) as f32
             }
-            (EmissionSampling::Quadric, Form::Mesh(_)) => 0.0,
+            (EmissionSampling::Quadric, _) => 0.0,
         }
     }
 }

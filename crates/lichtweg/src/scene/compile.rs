@@ -9,6 +9,7 @@ use lichtweg_ray::QuadricShape;
 use lichtweg_ray::math::{Bounds3, Vec3};
 use rayon::prelude::*;
 
+use super::curve::CurveForm;
 use super::description::{
     Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
     Mesh, ShapeDescription, SpectrumDescription, TextureInput,
@@ -102,12 +103,14 @@ impl Scene {
         }
         let report = self.build_report();
         let dropped = report.dropped_degenerate + report.dropped_non_finite;
-        if dropped > 0 && dropped * 100 > report.triangles {
+        let kept = report.triangles + report.curve_segments;
+        if dropped > 0 && dropped * 100 > kept {
             diagnostics.push(Diagnostic::warning(
                 "degenerate-triangles",
                 format!(
-                    "{dropped} of {} triangles have no area and are left out",
-                    report.triangles + dropped
+                    "{dropped} of {} triangles{} have no area and are left out",
+                    kept + dropped,
+                    if report.curve_segments > 0 { " and segments of curves" } else { "" },
                 ),
             ));
         }
@@ -168,6 +171,14 @@ fn form(shape: &ShapeDescription) -> Result<Form, Diagnostic> {
         }
         GeometryDescription::Cylinder { z_min, z_max, phi_max } => {
             quadric(QuadricShape::Cylinder { z_min: *z_min, z_max: *z_max, phi_max: radians(*phi_max) })
+        }
+        GeometryDescription::Curves(curves) => {
+            if shape.to_world.inverse().is_none() {
+                return Err(singular());
+            }
+            CurveForm::new(curves, &shape.to_world, shape.flip_normals)
+                .map(Form::Curves)
+                .map_err(|error| fault("bad-curves", shape, error.to_string()))
         }
     }
 }
@@ -280,6 +291,11 @@ fn area_light(
         return None;
     }
     if radiance.is_zero() {
+        return None;
+    }
+    if let Form::Curves(_) = form {
+        let diagnostic = Diagnostic::error("emitting-curves", "curves cannot emit light");
+        diagnostics.unsupported(diagnostic.at(emission.span, "emission stated here"), "they stay dark");
         return None;
     }
     let Some(sampling) = EmissionSampling::new(form) else {

@@ -76,6 +76,7 @@ impl Structures {
         let report = inner.fold(*accel.report(), |mut all, r| {
             all.triangles += r.triangles;
             all.quadrics += r.quadrics;
+            all.curve_segments += r.curve_segments;
             all.dropped_degenerate += r.dropped_degenerate;
             all.dropped_non_finite += r.dropped_non_finite;
             all.nodes += r.nodes;
@@ -129,6 +130,11 @@ impl Scene {
             Form::Quadric(quadric) => {
                 let near = to_world.inverse().unwrap_or_default().point(ray.at(hit.t));
                 quadric.point(shape, near, Vec2::new(hit.u, hit.v))
+            }
+            Form::Curves(form) => {
+                let to_group = to_world.inverse().unwrap_or_default();
+                let (origin, direction) = (to_group.point(ray.origin), to_group.vector(ray.direction));
+                form.point(shape, &Ray { origin, direction, ..*ray }, hit)
             }
         };
         let position = to_world.point(local.position);

@@ -1,6 +1,7 @@
 //! Scenes: the neutral description, and what it compiles to.
 
 mod compile;
+mod curve;
 pub mod description;
 mod instances;
 mod material;
@@ -15,6 +16,7 @@ use crate::light::{AreaLight, Environment, Light, LightSelection, TrianglePick};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
+pub use curve::CurveForm;
 pub(crate) use material::Diffuse;
 pub use material::{MaterialArena, Scatterer};
 pub(crate) use surface::Facets;

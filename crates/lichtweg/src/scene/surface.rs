@@ -6,6 +6,7 @@ use lichtweg_ray::math::{Affine, Vec2, Vec3};
 use lichtweg_ray::wide::{Float, LANES, Row};
 use lichtweg_ray::{Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
+use super::curve::CurveForm;
 use super::offset::{offset, position_error};
 
 /// A point on a surface of the scene.
@@ -58,6 +59,8 @@ pub enum Form {
     Mesh(MeshForm),
     /// A sphere, disk or cylinder.
     Quadric(Box<QuadricForm>),
+    /// Curves.
+    Curves(CurveForm),
 }
 
 /// Triangles in the world.
@@ -341,6 +344,7 @@ impl Form {
         match self {
             Self::Mesh(mesh) => TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()).into(),
             Self::Quadric(q) => Quadric { shape: q.shape, object_to_world: q.to_world }.into(),
+            Self::Curves(form) => form.curves.clone().into(),
         }
     }
 
@@ -348,7 +352,7 @@ impl Form {
     pub(super) fn triangles(&self) -> u64 {
         match self {
             Self::Mesh(mesh) => mesh.triangles.len() as u64,
-            Self::Quadric(_) => 0,
+            Self::Quadric(_) | Self::Curves(_) => 0,
         }
     }
 
@@ -358,6 +362,7 @@ impl Form {
         match self {
             Self::Mesh(mesh) => mesh.point(hit.geometry, hit.primitive, hit.u, hit.v),
             Self::Quadric(quadric) => quadric.point(hit.geometry, ray.at(hit.t), Vec2::new(hit.u, hit.v)),
+            Self::Curves(form) => form.point(hit.geometry, ray, hit),
         }
     }
 
@@ -366,6 +371,7 @@ impl Form {
         match self {
             Self::Mesh(mesh) => mesh.partials(point.primitive),
             Self::Quadric(quadric) => quadric.partials(point),
+            Self::Curves(form) => form.partials(point),
         }
     }
 }

@@ -26,8 +26,8 @@ pub use integrator::{
 pub use light::{EnvironmentMapping, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialId, MaterialKind, MicrofacetKind, RoughnessDescription};
 pub use shape::{
-    AreaLightDescription, EmissionScale, GeometryDescription, GroupId, InstanceDescription, Mesh,
-    ShapeDescription,
+    AreaLightDescription, CurvesDescription, EmissionScale, GeometryDescription, GroupId,
+    InstanceDescription, Mesh, ShapeDescription,
 };
 pub use spectrum::{ConductorQuantity, SpectrumDescription};
 pub use texture::{

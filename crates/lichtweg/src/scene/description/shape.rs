@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Vec2, Vec3};
+use lichtweg_ray::{CurveBasis, CurvePoint, CurveStyle, Placement};
 
 use super::{MaterialId, Span, TextureInput};
 
@@ -73,6 +73,25 @@ pub enum GeometryDescription {
         /// Largest azimuth in degrees.
         phi_max: f32,
     },
+    /// Curves: hair, threads, grass.
+    Curves(Arc<CurvesDescription>),
+}
+
+/// Curves of one kind.
+#[derive(Clone, Debug)]
+pub struct CurvesDescription {
+    /// What rays see of them.
+    pub style: CurveStyle,
+    /// How control points make segments.
+    pub basis: CurveBasis,
+    /// The control points of all curves, one curve after the other.
+    pub points: Vec<CurvePoint>,
+    /// How many of them each curve has.
+    pub counts: Vec<usize>,
+    /// For ribbons, normals at the ends of the segments: one more than segments a curve.
+    pub normals: Vec<Vec3>,
+    /// Whether the shape's transform scales radii, by the cube root of its determinant; otherwise they are in the world's units.
+    pub scales_radii: bool,
 }
 
 /// An indexed triangle mesh.
