@@ -152,6 +152,25 @@ fn choices_agree_and_a_guide_helps() {
 }
 
 #[test]
+fn quasi_random_answers_need_fewer_walks() {
+    let m = random_matrix(40, 4, 0.5, 0.0, 42);
+    let b: Vec<f64> = (0..40).map(|i| (i % 7) as f64).collect();
+    let exact = solution(&m, &b)[3];
+    let system = System::fixed_point(m, b).unwrap();
+    let random = options(Method::Adjoint, 0.001);
+    let quasi = Options { quasi: true, ..random.clone() };
+    let [random, quasi] =
+        [random, quasi].map(|options| Solver::new(&system).solve(&Functional::Unknown(3), &options).unwrap());
+    for answer in [&random, &quasi] {
+        assert!(
+            (answer.value - exact).abs() < 2.0 * answer.half_width && answer.reached,
+            "{exact} {answer:?}"
+        );
+    }
+    assert!(2 * quasi.walks < random.walks, "{} {}", quasi.walks, random.walks);
+}
+
+#[test]
 fn rigorous_intervals_are_wider_and_hold() {
     let m = random_matrix(40, 4, 0.6, 0.0, 41);
     let b = vec![1.0; 40];
