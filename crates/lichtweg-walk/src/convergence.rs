@@ -112,8 +112,8 @@ pub fn spectral_radius(matrix: &Matrix, scale: Option<&[f64]>, products: usize) 
     radius
 }
 
-/// Entries that may be used to find by how much a radius is below 1, where it is known that it is.
-const RATE_OPERATIONS: usize = 200_000_000;
+/// Products to guess a radius by, where it is known to be below 1.
+const GUESS: usize = 32;
 
 /// Row sums of diag(scale) |K|.
 fn row_masses(matrix: &Matrix, scale: Option<&[f64]>) -> Vec<f64> {

@@ -311,6 +311,10 @@ impl<'a> Solver<'a> {
 
     /// Push alone, to the goal or as far as allowed.
     fn push(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
+        if !self.proof.rows_contract(self.system) && !self.proof.columns_contract(self.system) {
+            // Bounds need a certificate, whatever it takes.
+            let _ = self.proof.verified(self.system);
+        }
         let mut push = Push::new(self.system.matrix(), target.iter().copied());
         if let Some(answer) = self.push_to(&mut push, options, options.most_steps) {
             return Ok(Answer { why: "as asked for".to_owned(), ..answer });
