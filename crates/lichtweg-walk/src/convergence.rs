@@ -105,9 +105,8 @@ pub fn spectral_radius(matrix: &Matrix, scale: Option<&[f64]>, products: usize) 
     if high <= 1.0 + 1e-12 {
         radius.chained = all_reach_a_loss(matrix, &masses);
     }
-    // What is already proven is worth a rate, but not at any price.
-    let products =
-        if radius.chained { products.min(32.max(RATE_OPERATIONS / matrix.entries())) } else { products };
+    // Where it is proven, a guess will do.
+    let products = if radius.chained { products.min(GUESS) } else { products };
     iterate(matrix, scale, masses, products, &mut radius);
     radius
 }
