@@ -46,7 +46,7 @@ def lichtweg(*arguments):
     if done.returncode != 0:
         return {"refused": done.stderr.strip().removeprefix("error: ")}
     found = json.loads(done.stdout)
-    return {**found["answers"][0], "load": found["load_seconds"]}
+    return {**found["answers"][0], "load": found.get("load_seconds", 0.0)}
 
 
 class Table:

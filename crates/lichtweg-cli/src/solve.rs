@@ -110,6 +110,10 @@ pub struct SolveArgs {
     #[arg(long)]
     rigorous: bool,
 
+    /// Quasi-random walks (scrambled Sobol' points), with intervals from independent scrambles
+    #[arg(long, conflicts_with_all = ["rigorous", "neumann"])]
+    quasi: bool,
+
     /// Show contributions by walk length: the terms of the Neumann series
     #[arg(long)]
     neumann: bool,
@@ -238,6 +242,7 @@ fn options(args: &SolveArgs) -> Result<Options, Failure> {
         most_steps: args.max_steps,
         rigorous: args.rigorous,
         lengths: args.neumann,
+        quasi: args.quasi,
     })
 }
 

@@ -105,15 +105,14 @@ pub fn spectral_radius(matrix: &Matrix, scale: Option<&[f64]>, products: usize) 
     if high <= 1.0 + 1e-12 {
         radius.chained = all_reach_a_loss(matrix, &masses);
     }
-    // What is already proven is worth a rate, but not at any price.
-    let products =
-        if radius.chained { products.min(32.max(RATE_OPERATIONS / matrix.entries())) } else { products };
+    // Where it is proven, a guess will do.
+    let products = if radius.chained { products.min(GUESS) } else { products };
     iterate(matrix, scale, masses, products, &mut radius);
     radius
 }
 
-/// Entries that may be used to find by how much a radius is below 1, where it is known that it is.
-const RATE_OPERATIONS: usize = 200_000_000;
+/// Products to guess a radius by, where it is known to be below 1.
+const GUESS: usize = 32;
 
 /// Row sums of diag(scale) |K|.
 fn row_masses(matrix: &Matrix, scale: Option<&[f64]>) -> Vec<f64> {

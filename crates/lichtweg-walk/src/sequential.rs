@@ -31,8 +31,9 @@ pub struct Vector {
     pub steps: u64,
 }
 
-/// Walks of one task.
+/// Walks of one task, and tasks whose deposits are kept at a time.
 const CHUNK: u64 = 1024;
+const GROUP: usize = 64;
 
 /// Solves until `is_enough` of the vector so far and its residual b + M x - x, or for at most `stages` stages of `walks` walks
 /// each. A stage that makes the residual larger is undone, and followed by one of twice as many walks.
@@ -59,10 +60,8 @@ pub fn solve(
         let rough = system.residual(&y);
         let start = Start::by(rough.iter().copied().enumerate()).map_err(|_| WalkError::Overflow)?;
         if let Some(start) = start {
-            let deposits =
-                stage(&kernel, &start, combine(seed, u64::from(out.stages)), walks, &mut out.steps)?;
-            let scale = 1.0 / walks as f64;
-            deposits.iter().for_each(|&(i, weight)| y[i as usize] += scale * weight);
+            let seed = combine(seed, u64::from(out.stages));
+            out.steps += stage(&kernel, &start, seed, walks, &mut y)?;
             out.walks += walks;
         }
         out.stages += 1;
@@ -86,14 +85,8 @@ pub fn solve(
     Ok(out)
 }
 
-/// What the walks of one stage deposit: (state, weight) in the order of the walks.
-fn stage(
-    kernel: &Kernel<'_>,
-    start: &Start,
-    seed: u64,
-    walks: u64,
-    steps: &mut u64,
-) -> Result<Vec<(u32, f64)>, WalkError> {
+/// Adds to `y` what the walks of one stage deposit on average, in the order of the walks; number of transitions.
+fn stage(kernel: &Kernel<'_>, start: &Start, seed: u64, walks: u64, y: &mut [f64]) -> Result<u64, WalkError> {
     let chunk = |chunk: u64| {
         let mut deposits = Vec::new();
         for walk in chunk * CHUNK..walks.min((chunk + 1) * CHUNK) {
@@ -102,10 +95,17 @@ fn stage(
         }
         Ok(deposits)
     };
-    let chunks: Result<Vec<_>, WalkError> = (0..walks.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
-    let deposits = chunks?.concat();
-    *steps += (deposits.len() as u64).saturating_sub(walks);
-    Ok(deposits)
+    let scale = 1.0 / walks as f64;
+    let (chunks, mut visits) = (walks.div_ceil(CHUNK), 0);
+    for group in (0..chunks).step_by(GROUP) {
+        let range = group..chunks.min(group + GROUP as u64);
+        let found: Result<Vec<Vec<(u32, f64)>>, WalkError> = range.into_par_iter().map(chunk).collect();
+        for (i, weight) in found?.into_iter().flatten() {
+            y[i as usize] += scale * weight;
+            visits += 1;
+        }
+    }
+    Ok(visits - walks)
 }
 
 /// Steps of one walk, at most.

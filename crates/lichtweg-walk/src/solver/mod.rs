@@ -24,11 +24,13 @@ mod side;
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use lichtweg_montecarlo::hash::combine;
+
 use crate::convergence::Radius;
 use crate::push::Push;
 use crate::sequential::{self, Vector};
 use crate::stopping::{Estimate, Goal, Interval, PILOT, estimate};
-use crate::walk::{Ending, Prepared, Score, Start, Tally, WeightWindow};
+use crate::walk::{Ending, Prepared, Score, Start, Tally, Walker, WeightWindow, quasi_random};
 use crate::{Matrix, System};
 
 pub use answer::{Answer, Cost, Evidence, Functional, Method};
@@ -59,6 +61,8 @@ pub struct Options {
     pub rigorous: bool,
     /// Keep contributions by walk length.
     pub lengths: bool,
+    /// Quasi-random walks, with error bars from independent scrambles.
+    pub quasi: bool,
 }
 
 impl Default for Options {
@@ -73,6 +77,7 @@ impl Default for Options {
             most_steps: 2_000_000_000,
             rigorous: false,
             lengths: false,
+            quasi: false,
         }
     }
 }
@@ -196,12 +201,60 @@ impl<'a> Solver<'a> {
         if pilot.nonzero == 0 && !self.sees_source(side) {
             return Ok(Answer::exact(offset, "the source vector cannot be reached from here"));
         }
+        if options.quasi {
+            let answer = self.walk_quasi(method, &walker, offset, operations, options)?;
+            return Ok(Answer { steps: answer.steps + pilot.steps, ..answer });
+        }
         let interval = interval(side, options)?;
         let walker = if options.lengths { walker.with_lengths() } else { walker };
         let walk = |first, count| walker.tally(options.seed, first, count);
         let found = estimate(&pilot, offset, &options.goal, interval, options.most_steps, walk)?;
         let pilot_steps = pilot.steps;
         self.report(method, offset, operations, pilot_steps, found)
+    }
+
+    /// Quasi-random walks to the goal: scrambles of twice as many points at each look, until their means agree.
+    fn walk_quasi(
+        &self,
+        method: Method,
+        walker: &Walker<'_>,
+        offset: f64,
+        operations: u64,
+        options: &Options,
+    ) -> Result<Answer, Refusal> {
+        let mut left = 1.0 - options.goal.confidence;
+        let (mut steps, mut points) = (0, FIRST_POINTS);
+        loop {
+            // Scrambles of its own for each look, so that looks are independent.
+            let seed = combine(options.seed, u64::from(points));
+            let (means, more) = quasi_random(walker, seed, SCRAMBLES, points)?;
+            steps += more;
+            let last = steps >= options.most_steps / 3 || points >= 1 << 30;
+            let alpha = if last { left } else { 0.5 * left };
+            left -= alpha;
+            let value = offset + means.mean();
+            let half_width = Interval::Student.half_width(&means, alpha);
+            let reached = half_width <= options.goal.half_width(value) && means.mean() != 0.0;
+            if means.mean() == 0.0 && last {
+                return Err(Refusal::NotBelieved {
+                    walks: u64::from(SCRAMBLES) * u64::from(points),
+                    scored: 0,
+                });
+            }
+            if reached || last {
+                return Ok(Answer {
+                    half_width,
+                    evidence: Evidence::Statistical,
+                    method,
+                    reached,
+                    walks: u64::from(SCRAMBLES) * u64::from(points),
+                    steps,
+                    operations,
+                    ..Answer::exact(value, "as asked for, by quasi-random numbers")
+                });
+            }
+            points *= 2;
+        }
     }
 
     /// Whether walks can come to a state that scores at all.
@@ -258,6 +311,10 @@ impl<'a> Solver<'a> {
 
     /// Push alone, to the goal or as far as allowed.
     fn push(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
+        if !self.proof.rows_contract(self.system) && !self.proof.columns_contract(self.system) {
+            // Bounds need a certificate, whatever it takes.
+            let _ = self.proof.verified(self.system);
+        }
         let mut push = Push::new(self.system.matrix(), target.iter().copied());
         if let Some(answer) = self.push_to(&mut push, options, options.most_steps) {
             return Ok(Answer { why: "as asked for".to_owned(), ..answer });
@@ -335,6 +392,11 @@ impl<'a> Solver<'a> {
 
 /// Stages of sequential Monte Carlo, at most.
 const STAGES: u32 = 300;
+
+/// Independent scrambles of quasi-random walks, whose means make the interval.
+const SCRAMBLES: u32 = 32;
+/// Points of each at the first look; enough for means to be about normal.
+const FIRST_POINTS: u32 = 64;
 
 /// Tells the pilot's walks from those that count.
 const PILOT_SEED: u64 = 0x9170_7000_0000_0000;

@@ -92,7 +92,9 @@ impl Proof {
     /// A bound of |<g, x>| for the solution of x = M x + b; `None` without a cheap proof. g may name an element twice.
     pub fn bound_of_solution(&self, system: &System, g: impl Iterator<Item = (usize, f64)>) -> Option<f64> {
         if self.rows_contract(system) || !self.columns_contract(system) {
-            let certificate = self.rows(system).certificate.as_ref()?;
+            // Not `verified`, which may have to solve a system first, unless that has been done.
+            let certificate = self.rows(system).certificate.as_ref();
+            let certificate = certificate.or_else(|| self.verified.get().and_then(Option::as_ref))?;
             let norm = *self.source_norm.get_or_init(|| match certificate.weights {
                 None => system.summary().largest_source / (1.0 - certificate.contraction),
                 Some(_) => certificate.solution_bound(system.source()),

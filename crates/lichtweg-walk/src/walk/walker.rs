@@ -156,6 +156,8 @@ pub struct Walker<'a> {
 
 /// Walks of one task: fixed, so that results do not depend on the number of threads.
 const CHUNK: u64 = 128;
+/// Chunks whose tallies are kept at a time.
+const GROUP: usize = 1 << 14;
 /// A walk that takes more steps than this will not end in anyone's lifetime.
 const ENDLESS: u64 = 1 << 24;
 /// Walks that wait after splitting, at most; beyond, weights are left above the window.
@@ -218,12 +220,15 @@ impl<'a> Walker<'a> {
             }
             Ok(tally)
         };
-        let chunks: Result<Vec<Tally>, WalkError> =
-            (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
-        Ok(chunks?.iter().fold(Tally::default(), |mut sum, chunk| {
-            sum.merge(chunk);
-            sum
-        }))
+        let chunks = count.div_ceil(CHUNK);
+        let mut sum = Tally::default();
+        // In groups, whose tallies fit into memory.
+        for group in (0..chunks).step_by(GROUP) {
+            let range = group..chunks.min(group + GROUP as u64);
+            let tallies: Result<Vec<Tally>, WalkError> = range.into_par_iter().map(chunk).collect();
+            tallies?.iter().for_each(|tally| sum.merge(tally));
+        }
+        Ok(sum)
     }
 
     /// One walk, with all that it is split into.
