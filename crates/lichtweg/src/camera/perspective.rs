@@ -26,6 +26,18 @@ pub struct Camera {
     shutter: [f32; 2],
 }
 
+/// How the camera sees in a direction from a point on its lens.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Film coordinates, in [0, 1]^2 where they are on the film.
+    pub film: [f32; 2],
+    /// |d film / d solid angle|: the density per solid angle of directions whose film points are even over the film. As every
+    /// film point has weight one, it is the importance We cos, too.
+    pub film_per_solid_angle: f32,
+    /// Cosine to the axis.
+    pub cos: f32,
+}
+
 impl Camera {
     /// Compiles a description for a film of `width` by `height` pixels; reports what is wrong with it.
     pub fn compile(
@@ -84,14 +96,83 @@ impl Camera {
         }
         let direction = direction.normalized();
         let [left, up, forward] = self.axes;
-        let per_depth = 1.0 / direction.z;
+        let [tnear, tfar] = self.clip(direction.z);
         Ray {
             origin: self.origin + left * lx + up * ly,
             direction: left * direction.x + up * direction.y + forward * direction.z,
-            tnear: self.near * per_depth,
-            tfar: self.far * per_depth,
-            time: self.shutter[0] + time * (self.shutter[1] - self.shutter[0]),
+            tnear,
+            tfar,
+            time: self.time(time),
         }
+    }
+
+    /// A time while the shutter is open.
+    #[inline]
+    pub fn time(&self, u: f32) -> f32 {
+        self.shutter[0] + u * (self.shutter[1] - self.shutter[0])
+    }
+
+    /// Distances between which the camera sees, in a direction whose cosine to the axis is given.
+    #[inline]
+    pub fn clip(&self, cos: f32) -> [f32; 2] {
+        let per_depth = 1.0 / cos;
+        [self.near * per_depth, self.far * per_depth]
+    }
+
+    /// A point on the lens, in the world.
+    #[inline]
+    pub fn lens_point(&self, u: [f32; 2]) -> Vec3 {
+        if self.aperture_radius == 0.0 {
+            return self.origin;
+        }
+        let [x, y] = warp::uniform_disk(u).map(|c| c * self.aperture_radius);
+        self.origin + self.axes[0] * x + self.axes[1] * y
+    }
+
+    /// Density per area of points on the lens; `None` for a pinhole, which light cannot hit.
+    #[inline]
+    pub fn lens_pdf(&self) -> Option<f32> {
+        let area = self.aperture_radius * self.aperture_radius;
+        (area > 0.0).then(|| warp::UNIFORM_DISK_PDF / area)
+    }
+
+    /// Unit vector the camera looks along.
+    #[inline]
+    pub fn forward(&self) -> Vec3 {
+        self.axes[2]
+    }
+
+    /// Where and how strongly the camera sees in a unit direction from a point on its lens; `None` behind it.
+    #[inline]
+    pub fn view(&self, lens_point: Vec3, direction: Vec3) -> Option<View> {
+        let [left, up, forward] = self.axes;
+        let cos = direction.dot(forward);
+        if cos <= 0.0 {
+            return None;
+        }
+        // In camera space, at depth 1 from the pinhole: where the plane in focus is met, scaled back.
+        let (mut x, mut y) = (direction.dot(left) / cos, direction.dot(up) / cos);
+        if self.aperture_radius > 0.0 {
+            let offset = lens_point - self.origin;
+            x += offset.dot(left) / self.focus_distance;
+            y += offset.dot(up) / self.focus_distance;
+        }
+        let film = [(x - self.corner[0]) / self.extent[0], (y - self.corner[1]) / self.extent[1]];
+        // An area on the plane at depth 1 is seen under that area times cos^3, from any point of the lens.
+        let film_area = (self.extent[0] * self.extent[1]).abs();
+        Some(View { film, film_per_solid_angle: 1.0 / (film_area * cos * cos * cos), cos })
+    }
+
+    /// Where a half line meets the lens, from before it.
+    pub fn hit_lens(&self, ray: &Ray) -> Option<Vec3> {
+        let approach = ray.direction.dot(self.axes[2]);
+        let t = (self.origin - ray.origin).dot(self.axes[2]) / approach;
+        if !(approach < 0.0 && t > 0.0) {
+            return None;
+        }
+        let point = ray.at(t);
+        let radius_squared = self.aperture_radius * self.aperture_radius;
+        ((point - self.origin).length_squared() < radius_squared).then_some(point)
     }
 }
 
@@ -152,6 +233,37 @@ mod tests {
             ray.at(3.0 / ray.direction.z)
         };
         assert!((at_focus([0.1, 0.9]) - at_focus([0.8, 0.3])).length() < 1e-5);
+    }
+
+    /// A view undoes a ray, and its density is the determinant of the map from directions to the film.
+    #[test]
+    fn views_are_rays_backwards() {
+        let skewed = lichtweg_ray::math::Affine::look_at([1.0, 2.0, 3.0], [-1.0, 0.5, 2.0], [0.1, 1.0, 0.0]);
+        for aperture_radius in [0.0, 0.3] {
+            let camera = camera(&CameraDescription {
+                to_world: skewed.unwrap(),
+                aperture_radius,
+                focus_distance: 2.5,
+                ..Default::default()
+            });
+            for (film, lens) in [([0.2, 0.7], [0.1, 0.9]), ([0.9, 0.1], [0.8, 0.3])] {
+                let ray = camera.ray(film, lens, 0.0);
+                assert!((camera.lens_point(lens) - ray.origin).length() < 1e-6);
+                let view = camera.view(ray.origin, ray.direction).unwrap();
+                assert!((view.film[0] - film[0]).abs() < 1e-4 && (view.film[1] - film[1]).abs() < 1e-4);
+                const H: f32 = 1e-2;
+                let moved = |dx, dy| camera.ray([film[0] + dx, film[1] + dy], lens, 0.0).direction;
+                let [along_x, along_y] = [moved(H, 0.0) - moved(-H, 0.0), moved(0.0, H) - moved(0.0, -H)];
+                let solid_angle = along_x.cross(along_y).length() / (4.0 * H * H);
+                assert!((solid_angle * view.film_per_solid_angle - 1.0).abs() < 1e-3);
+                assert!(camera.view(ray.origin, -ray.direction).is_none());
+                let back = Ray::new(ray.at(2.0), -ray.direction);
+                let hit = camera.hit_lens(&back);
+                assert_eq!(hit.is_some(), aperture_radius > 0.0);
+                assert!(hit.is_none_or(|p| (p - ray.origin).length() < 1e-5));
+                assert!(camera.hit_lens(&ray).is_none());
+            }
+        }
     }
 
     #[test]

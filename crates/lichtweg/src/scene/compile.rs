@@ -17,7 +17,7 @@ use super::{MaterialArena, Scene, Shape};
 use crate::color::{Role, Spectrum, luminance, rgb_spectrum};
 use crate::light::{
     AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightSelection,
-    MapEnvironment, Point, Spot,
+    MapEnvironment, Point, Spot, Surroundings,
 };
 use crate::texture::TextureArena;
 
@@ -66,8 +66,9 @@ impl Scene {
                 return None;
             }
         };
-        let radius = scene_radius(accel.bounds());
-        let powers: Vec<f32> = lights.iter().map(|l| power(l, &shapes, &textures, radius)).collect();
+        let surroundings = surroundings(accel.bounds());
+        let powers: Vec<f32> =
+            lights.iter().map(|l| power(l, &shapes, &textures, surroundings.radius)).collect();
         let environments = (0..lights.len() as u32)
             .filter(|&i| matches!(lights[i as usize], Light::Environment(_)))
             .collect();
@@ -80,6 +81,7 @@ impl Scene {
             materials,
             lights,
             environments,
+            surroundings,
             report: CompileReport { seconds, triangles },
         };
         scene.warn(description, diagnostics);
@@ -332,9 +334,13 @@ fn compile_light(light: &LightDescription, diagnostics: &mut Diagnostics) -> Opt
     }
 }
 
-/// Radius of a sphere around everything.
-fn scene_radius(bounds: Bounds3) -> f32 {
-    if bounds.is_empty() { 1.0 } else { (bounds.extent().length() * 0.5).max(f32::MIN_POSITIVE) }
+/// A sphere around everything, a little larger than rounding asks for.
+fn surroundings(bounds: Bounds3) -> Surroundings {
+    if bounds.is_empty() {
+        return Surroundings { center: Vec3::ZERO, radius: 1.0 };
+    }
+    let radius = (bounds.extent().length() * 0.5 * (1.0 + 1e-4)).max(f32::MIN_POSITIVE);
+    Surroundings { center: bounds.center(), radius }
 }
 
 /// Emitted power, about: for the choice of lights.

@@ -10,7 +10,7 @@ use lichtweg_ray::math::{Bounds3, Vec3};
 use lichtweg_ray::{Accel, BuildReport, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightSelection};
+use crate::light::{AreaLight, Environment, Light, LightSelection, Surroundings};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
@@ -30,6 +30,7 @@ pub struct Scene {
     environments: Vec<u32>,
     /// Whether any surface has holes, so that occlusion has to look closer.
     has_holes: bool,
+    surroundings: Surroundings,
     report: CompileReport,
 }
 
@@ -98,6 +99,12 @@ impl Scene {
     /// Bounds of all shapes.
     pub fn bounds(&self) -> Bounds3 {
         self.accel.bounds()
+    }
+
+    /// A sphere around all shapes.
+    #[inline]
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
     }
 
     /// Number of shapes.

@@ -1,8 +1,23 @@
 //! Estimators: random walks, and the ways to join them with light.
 
+mod bidirectional;
+mod connect;
+mod fault;
+mod light;
+mod light_end;
 mod mis;
 mod observer;
 mod path;
+mod sensor;
+mod vertex;
+mod visibility;
+mod walk;
 
+pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Workspace};
+pub use light::LightTracer;
+pub use light_end::{LightEnd, LightStart};
 pub use observer::PathObserver;
 pub use path::{PathTracer, WalkCounts};
+pub use sensor::{Look, Sensor};
+pub use vertex::{Departure, Others, Scattering, Vertex};
+pub use walk::{Survival, Walk, WalkVisitor};

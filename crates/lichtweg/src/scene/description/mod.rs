@@ -19,7 +19,7 @@ mod texture;
 pub use camera::{CameraDescription, FieldOfView, FilmDescription, FilterDescription, FilterKind, FovAxis};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceMap, Span};
 pub use integrator::{
-    Heuristic, IntegratorDescription, LightStrategy, RouletteDescription, SamplerDescription,
+    EstimatorKind, Heuristic, IntegratorDescription, LightStrategy, RouletteDescription, SamplerDescription,
 };
 pub use light::{EnvironmentMapping, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialId, MaterialKind, MicrofacetKind, RoughnessDescription};
