@@ -84,31 +84,17 @@ struct Band<'a> {
 }
 
 impl Band<'_> {
-    /// The first pixel along an axis whose filter may cover a place, and one past the last.
-    fn covered(&self, axis: usize, place: f32, radius: f32) -> std::ops::Range<u32> {
-        let (start, size) = (self.origin[axis] as f32, self.size[axis] as f32);
-        // Pixel i has its centre at i + 1/2. Casts take what is negative or NaN to 0.
-        let first = (place - radius - start - 0.5).max(0.0).floor().min(size);
-        let last = (place + radius - start - 0.5).floor() + 1.0;
-        first as u32..last.clamp(first, size) as u32
-    }
-
     fn add(&mut self, splat: &Splat, odd: u32, filter: &Filter) {
-        let [x, y] = splat.place;
-        let [radius_x, radius_y] = filter.radius();
-        for row in self.covered(1, y, radius_y) {
-            let along_y = filter.along(1, y - (self.origin[1] + row) as f32 - 0.5);
-            for column in self.covered(0, x, radius_x) {
-                let weight = along_y * filter.along(0, x - (self.origin[0] + column) as f32 - 0.5);
-                let sum = &mut self.sums[(row * self.size[0] + column) as usize];
-                for lane in 0..3 {
-                    let value = f64::from(splat.value[lane]) * f64::from(weight);
-                    sum.sum[lane] += value;
-                    sum.sum_squares[lane] += value * value;
-                    sum.sum_odd[lane] += f64::from(odd) * value;
-                }
+        let window = [self.origin[0], self.origin[1], self.size[0], self.size[1]];
+        filter.cover(splat.place, window, |pixel, weight| {
+            let sum = &mut self.sums[pixel];
+            for lane in 0..3 {
+                let value = f64::from(splat.value[lane]) * f64::from(weight);
+                sum.sum[lane] += value;
+                sum.sum_squares[lane] += value * value;
+                sum.sum_odd[lane] += f64::from(odd) * value;
             }
-        }
+        });
     }
 }
 

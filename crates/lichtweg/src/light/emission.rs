@@ -116,19 +116,23 @@ impl Light {
         point: Option<&SurfacePoint>,
         scene: &Scene,
     ) -> EmissionDensity {
-        let leaving = match self {
-            Self::Area(light) => {
-                return match point {
-                    Some(point) => light.emission_density(point, -sample.direction, scene),
-                    None => EmissionDensity { start: 0.0, leaving: 0.0 },
-                };
+        match (self, point) {
+            (Self::Area(light), Some(point)) => light.emission_density(point, -sample.direction, scene),
+            (Self::Environment(_), _) => {
+                EmissionDensity { start: sample.pdf, leaving: scene.surroundings().disk_pdf() }
             }
+            _ => self.delta_emission_density(scene),
+        }
+    }
+
+    /// The same of a light at a single point or in a single direction.
+    #[inline]
+    pub fn delta_emission_density(&self, scene: &Scene) -> EmissionDensity {
+        let leaving = match self {
+            Self::Area(_) | Self::Environment(_) => 0.0,
             Self::Point(_) => warp::UNIFORM_SPHERE_PDF,
             Self::Spot(light) => warp::uniform_cone_pdf(light.one_minus_cos_cutoff()),
             Self::Directional(_) => scene.surroundings().disk_pdf(),
-            Self::Environment(_) => {
-                return EmissionDensity { start: sample.pdf, leaving: scene.surroundings().disk_pdf() };
-            }
         };
         EmissionDensity { start: 1.0, leaving }
     }

@@ -4,6 +4,8 @@
 //! pixel's samples are functions of its position and their index, and are added up in the order of the index, so that the
 //! image is the same bits for any number of threads and any cut into passes.
 
+mod paths;
+mod pyramid;
 mod splatting;
 
 use std::time::{Duration, Instant};
@@ -12,7 +14,9 @@ use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::Ray;
 use rayon::prelude::*;
 
-use self::splatting::Splatting;
+pub use self::paths::FoundPath;
+pub use self::pyramid::{Pyramid, StrategyImage};
+use self::splatting::{CameraSample, Splatting};
 use super::{Progress, RenderedImage};
 use crate::camera::Camera;
 use crate::color::Spectrum;

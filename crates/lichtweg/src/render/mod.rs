@@ -5,5 +5,5 @@ mod job;
 mod progress;
 
 pub use image::{Layer, RenderedImage};
-pub use job::{Job, LayerSelection, RenderError, Rendering, Statistics};
+pub use job::{FoundPath, Job, LayerSelection, Pyramid, RenderError, Rendering, Statistics, StrategyImage};
 pub use progress::Progress;

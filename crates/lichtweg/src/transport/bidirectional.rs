@@ -138,6 +138,9 @@ impl Bidirectional {
     }
 
     /// One pair of walks, from the eye along a camera ray of unit direction and from a light, and all that comes of them.
+    ///
+    /// `expected` is about the radiance that the eye will see: connections of much smaller value are looked at by chance only. Any
+    /// number is right, and 0 looks at all.
     #[allow(clippy::too_many_arguments, reason = "the two ends, their numbers, and where things go")]
     pub fn sample<'a>(
         &self,
@@ -145,6 +148,7 @@ impl Bidirectional {
         sensor: &Sensor<'_>,
         ray: Ray,
         [eye_sampler, light_sampler]: [&mut Sampler; 2],
+        expected: f32,
         workspace: &mut Workspace<'a>,
         counts: &mut WalkCounts,
         sink: &mut impl ContributionSink,
@@ -152,7 +156,8 @@ impl Bidirectional {
         if self.max_depth == 0 {
             return;
         }
-        let mut pair = Pair { settings: self, scene, sensor, time: ray.time, lens: ray.origin, counts };
+        let mut pair =
+            Pair { settings: self, scene, sensor, time: ray.time, lens: ray.origin, expected, counts };
         let Workspace { eye, light, lens_hits } = workspace;
         (eye.clear(), light.clear(), lens_hits.clear());
         let start = LightStart::sample(scene, light_sampler);
@@ -163,7 +168,7 @@ impl Bidirectional {
         pair.join_eye(eye, escape.as_ref(), eye_sampler, sink);
         if let Some(start) = &start {
             pair.join_light(start, light, lens_hits, light_sampler, sink);
-            pair.join_both(start, light, eye, sink);
+            pair.join_both(start, light, eye, eye_sampler, sink);
         }
     }
 }
@@ -176,6 +181,8 @@ pub(super) struct Pair<'p, 'a> {
     pub time: f32,
     /// Where the walk from the eye begins.
     pub lens: Vec3,
+    /// See [`Bidirectional::sample`].
+    pub expected: f32,
     pub counts: &'p mut WalkCounts,
 }
 
@@ -268,13 +275,14 @@ impl<'a> Pair<'_, 'a> {
         start: &LightStart,
         light: &[Vertex<'a>],
         eye: &[Vertex<'a>],
+        sampler: &mut Sampler,
         sink: &mut S,
     ) {
         for m in 1..=eye.len() {
             // Edges are one more than surface vertices.
             let longest = (self.settings.max_depth as usize).saturating_sub(m + 1).min(light.len());
             for n in 1..=longest {
-                self.connect(&light[..n], &eye[..m], start, sink);
+                self.connect(&light[..n], &eye[..m], start, sampler, sink);
             }
         }
     }

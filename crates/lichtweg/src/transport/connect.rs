@@ -10,6 +10,7 @@ use super::mis::raise;
 use super::vertex::{Departure, Vertex};
 use super::visibility;
 use crate::bsdf::Mode;
+use crate::color::Spectrum;
 
 /// Weight of a strategy, given the sums over the others.
 #[inline]
@@ -17,7 +18,22 @@ fn weight(light: f64, eye: f64) -> f32 {
     (1.0 / (1.0 + light + eye)) as f32
 }
 
+/// A connection whose weighted value is this part of what the pixel will show is surely looked at.
+const LARGE: f32 = 0.15;
+
 impl<'a> Pair<'_, 'a> {
+    /// Whether to look if a connection of a weighted value is free: the factor that makes up for those that are not looked at.
+    /// What is small beside the noise that the pixel has anyway is not worth a ray (Veach 1997, section 10.4.1, efficiency-optimized
+    /// Russian roulette, with the threshold as a constant share of the pixel's mean).
+    #[inline]
+    fn worth(&self, weighted: Spectrum, sampler: &mut Sampler) -> Option<f32> {
+        let probability = weighted.max_element() / (LARGE * self.expected);
+        if probability >= 1.0 || probability.is_nan() {
+            return Some(1.0);
+        }
+        (sampler.next_1d() < probability).then(|| 1.0 / probability)
+    }
+
     /// s = 0: the last vertex lies on a light.
     pub fn run_into_light<S: ContributionSink>(&mut self, eye: &[Vertex<'a>], sink: &mut S) {
         let Some((vertex, before)) = eye.split_last() else { return };
@@ -40,7 +56,7 @@ impl<'a> Pair<'_, 'a> {
             film: None,
             value: vertex.throughput * radiance,
             weight,
-            end: LightEnd::hit(self.scene, light, &vertex.point),
+            end: LightEnd::hit(light, vertex),
             lens: self.lens,
             light: &[],
             eye,
@@ -74,7 +90,7 @@ impl<'a> Pair<'_, 'a> {
                 film: None,
                 value: departure.throughput * radiance,
                 weight,
-                end: LightEnd::escaped(light),
+                end: LightEnd::escaped(light, direction),
                 lens: self.lens,
                 light: &[],
                 eye,
@@ -100,24 +116,26 @@ impl<'a> Pair<'_, 'a> {
         if scattering.value.is_zero() {
             return;
         }
-        let visible =
-            visibility::from_light(self.scene, &vertex.point, &event.sample, self.time, self.counts);
-        if visible == 0.0 {
-            return;
-        }
         let heuristic = self.settings.heuristic;
         let light = match event.sample.delta {
             true => 0.0,
             false => raise(heuristic, scattering.pdf / event.pdf()),
         };
         let arriving = event.emission_over_connection(scattering.cos);
-        let others = vertex.others.sum(heuristic, arriving, scattering.pdf_back);
+        let weight = weight(light, vertex.others.sum(heuristic, arriving, scattering.pdf_back));
+        let value = vertex.throughput * scattering.value * event.sample.radiance * (1.0 / event.pdf());
+        let Some(compensation) = self.worth(value * weight, sampler) else { return };
+        let visible =
+            visibility::from_light(self.scene, &vertex.point, &event.sample, self.time, self.counts);
+        if visible == 0.0 {
+            return;
+        }
         sink.add(&Contribution {
             s: 1,
             t: eye.len() as u32 + 1,
             film: None,
-            value: vertex.throughput * scattering.value * event.sample.radiance * (visible / event.pdf()),
-            weight: weight(light, others),
+            value: value * (visible * compensation),
+            weight,
             end: event.end,
             lens: self.lens,
             light: &[],
@@ -221,6 +239,7 @@ impl<'a> Pair<'_, 'a> {
         light: &[Vertex<'a>],
         eye: &[Vertex<'a>],
         start: &LightStart,
+        sampler: &mut Sampler,
         sink: &mut S,
     ) {
         let (Some(y), Some(z)) = (light.last(), eye.last()) else { return };
@@ -238,21 +257,23 @@ impl<'a> Pair<'_, 'a> {
         if at_light.value.is_zero() {
             return;
         }
-        let visible = visibility::between(self.scene, &z.point, &y.point, direction, self.time, self.counts);
-        if visible == 0.0 {
-            return;
-        }
         let heuristic = self.settings.heuristic;
         let per_area = 1.0 / distance_squared;
         let light_sum = y.others.sum(heuristic, at_eye.pdf * at_light.cos * per_area, at_light.pdf_back);
         let eye_sum = z.others.sum(heuristic, at_light.pdf * at_eye.cos * per_area, at_eye.pdf_back);
-        let value = z.throughput * at_eye.value * (y.throughput * at_light.value) * (visible * per_area);
+        let weight = weight(light_sum, eye_sum);
+        let value = z.throughput * at_eye.value * (y.throughput * at_light.value) * per_area;
+        let Some(compensation) = self.worth(value * weight, sampler) else { return };
+        let visible = visibility::between(self.scene, &z.point, &y.point, direction, self.time, self.counts);
+        if visible == 0.0 {
+            return;
+        }
         sink.add(&Contribution {
             s: light.len() as u32 + 1,
             t: eye.len() as u32 + 1,
             film: None,
-            value,
-            weight: weight(light_sum, eye_sum),
+            value: value * (visible * compensation),
+            weight,
             end: start.end,
             lens: self.lens,
             light,
@@ -267,7 +288,7 @@ impl<'a> Pair<'_, 'a> {
             return;
         };
         let Some(look) = self.sensor.look(lens, event.sample.direction) else { return };
-        let visible = match event.point {
+        let visible = match event.end.point {
             Some(point) if self.sensor.look_at(lens, point.position).is_some() => {
                 look.transmittance(&point, self.time, self.scene, self.counts)
             }

@@ -79,7 +79,7 @@ impl LightTracer {
                 &mut Silent,
             );
         }
-        let mut pair = Pair { settings: &self.settings, scene, sensor, time, lens, counts };
+        let mut pair = Pair { settings: &self.settings, scene, sensor, time, lens, expected: 0.0, counts };
         if !hide_emitters {
             pair.connect_ends(sampler, sink);
         }

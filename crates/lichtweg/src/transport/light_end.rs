@@ -18,27 +18,32 @@ pub struct LightEnd {
     pub light: u32,
     /// Its point; nothing of one that is infinitely far.
     pub position: Option<Vec3>,
-    /// Unit normal to the outside, if it is a shape.
-    pub normal: Option<Vec3>,
+    /// The same as a point on a surface, if it is a shape.
+    pub point: Option<SurfacePoint>,
+    /// Unit direction in which light leaves it.
+    pub direction: Vec3,
 }
 
 impl LightEnd {
-    fn new(scene: &Scene, light: u32, position: Vec3, point: Option<&SurfacePoint>) -> Self {
-        Self {
-            light,
-            position: (!scene.lights()[light as usize].is_infinite()).then_some(position),
-            normal: point.map(|p| p.geometric_normal),
-        }
+    fn new(scene: &Scene, light: u32, position: Vec3, point: Option<SurfacePoint>, direction: Vec3) -> Self {
+        let infinite = scene.lights()[light as usize].is_infinite();
+        Self { light, position: (!infinite).then_some(position), point, direction }
     }
 
-    /// A point that a walk from the eye ran into.
-    pub fn hit(scene: &Scene, light: u32, point: &SurfacePoint) -> Self {
-        Self::new(scene, light, point.position, Some(point))
+    /// A vertex at which a walk from the eye ran into it.
+    pub fn hit(light: u32, vertex: &Vertex<'_>) -> Self {
+        let point = vertex.point;
+        Self { light, position: Some(point.position), point: Some(point), direction: vertex.wo }
     }
 
     /// A light around the scene that a walk from the eye ran into.
-    pub fn escaped(light: u32) -> Self {
-        Self { light, position: None, normal: None }
+    pub fn escaped(light: u32, direction: Vec3) -> Self {
+        Self { light, position: None, point: None, direction: -direction }
+    }
+
+    /// |cos| between the normal and the direction; 1 where there is none.
+    pub fn cos(&self) -> f32 {
+        self.point.map_or(1.0, |p| p.geometric_normal.dot(self.direction).abs())
     }
 }
 
@@ -65,7 +70,7 @@ impl LightStart {
         let position = emission.point.map_or(emission.ray.origin, |p| p.position);
         Some(Self {
             emission: Emission { power: emission.power / probability, ..emission },
-            end: LightEnd::new(scene, index, position, emission.point.as_ref()),
+            end: LightEnd::new(scene, index, position, emission.point, emission.ray.direction),
             pdf: probability * emission.density.start,
             delta: light.is_delta(),
         })
@@ -79,7 +84,7 @@ impl LightStart {
             position: self.end.position.unwrap_or(ray.origin),
             throughput: self.emission.power,
             pdf: self.emission.density.leaving,
-            cos: self.end.normal.map_or(1.0, |n| n.dot(ray.direction).abs()),
+            cos: self.end.cos(),
             infinite: self.end.position.is_none(),
             link: 1.0,
             chain: if self.delta { 0.0 } else { 1.0 / raise(heuristic, self.pdf) },
@@ -105,7 +110,12 @@ impl LightStart {
 }
 
 /// Density per area with which a connection from a surface point chooses a point on an area light.
-fn connection_pdf_area(scene: &Scene, light: u32, receiver: &SurfacePoint, on_light: &SurfacePoint) -> f32 {
+pub fn connection_pdf_area(
+    scene: &Scene,
+    light: u32,
+    receiver: &SurfacePoint,
+    on_light: &SurfacePoint,
+) -> f32 {
     let Some((_, area_light)) = scene.area_light(on_light) else { return 0.0 };
     let along = on_light.position - receiver.position;
     let distance_squared = along.length_squared();
@@ -156,8 +166,6 @@ pub struct NextEvent {
     pub probability: f32,
     /// The densities of a walk that begins so; `start` includes the probability of the light.
     pub emission: EmissionDensity,
-    /// The point on the light, if it is a shape.
-    pub point: Option<SurfacePoint>,
     /// Where.
     pub end: LightEnd,
     /// The square of the distance; 1 for a light infinitely far.
@@ -173,7 +181,7 @@ impl NextEvent {
         let (sample, point) = light.sample_with_point(receiver, u, scene)?;
         let emission = light.emission_density(&sample, point.as_ref(), scene);
         let position = point.map(|p| p.position).or(sample.target).unwrap_or(receiver);
-        let end = LightEnd::new(scene, index, position, point.as_ref());
+        let end = LightEnd::new(scene, index, position, point, -sample.direction);
         Some(Self {
             sample,
             probability,
@@ -181,7 +189,6 @@ impl NextEvent {
                 start: scene.selection().emitter_probability(index) * emission.start,
                 ..emission
             },
-            point,
             end,
             distance_squared: end.position.map_or(1.0, |p| (p - receiver).length_squared()),
         })
@@ -196,9 +203,9 @@ impl NextEvent {
     /// given, than connections choose the point: per area at the receiver.
     pub fn emission_over_connection(&self, cos_receiver: f32) -> f32 {
         let emission = self.emission.start * self.emission.leaving * cos_receiver;
-        match self.end.normal {
+        match self.end.point {
             // The quotient of cos / d^2 at the receiver and cos / d^2 at the light.
-            Some(normal) => emission / (self.pdf() * normal.dot(self.sample.direction).abs()),
+            Some(_) => emission / (self.pdf() * self.end.cos()),
             None => emission / (self.pdf() * self.distance_squared),
         }
     }

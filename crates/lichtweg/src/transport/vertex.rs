@@ -98,9 +98,23 @@ pub struct Vertex<'a> {
     pub pdf_area: f32,
     /// The other strategies.
     pub others: Others,
-    /// Density per solid angle (for a single direction the probability of its lobe) of the direction in which the walk went
-    /// on, and whether it was a single direction.
-    pub went_on: Option<(f32, bool)>,
+    /// How the walk went on.
+    pub onward: Option<Onward>,
+}
+
+/// How a walk went on from a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Onward {
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Its density per solid angle; of a single direction the probability of its lobe.
+    pub pdf: f32,
+    /// Whether it was a single direction.
+    pub delta: bool,
+    /// Factor on the throughput, without that of roulette.
+    pub weight: Spectrum,
+    /// Probability of surviving roulette; the throughput was divided by it.
+    pub survival: f32,
 }
 
 /// What happens at a vertex between the direction it was reached from and another one.

@@ -9,8 +9,8 @@ use lichtweg_ray::Ray;
 use super::WalkCounts;
 use super::fault::{Fault, is_seeded};
 use super::mis::raise;
-use super::vertex::{Departure, Vertex};
-use crate::bsdf::{BsdfSample, Mode};
+use super::vertex::{Departure, Onward, Vertex};
+use crate::bsdf::Mode;
 use crate::scene::description::Heuristic;
 use crate::scene::{Scene, SurfacePoint};
 
@@ -102,18 +102,29 @@ impl<'a> Walk<'a> {
             let mode = if is_seeded(Fault::EtaSquared) { Mode::Radiance } else { self.mode };
             let sample = vertex.scatterer.sample(vertex.wo, u_lobe, u, mode);
             let next = sample.and_then(|sample| {
-                vertex.went_on = Some((sample.pdf, sample.delta));
                 if self.mode == Mode::Radiance {
                     eta *= sample.eta;
                 }
-                self.depart(&vertex, &sample, departure.ray.time)
+                let weight = sample.weight * vertex.adjoint_correction(sample.wi, self.mode);
+                let onward = Onward {
+                    direction: sample.wi,
+                    pdf: sample.pdf,
+                    delta: sample.delta,
+                    weight,
+                    survival: 1.0,
+                };
+                (!(vertex.throughput * weight).is_zero()).then_some(onward)
             });
-            path.push(vertex);
-            let Some(mut next) = next else {
+            let Some(mut onward) = next else {
+                path.push(vertex);
                 visitor.ends(&vertex, 1.0);
                 return None;
             };
-            let survival = self.survival_probability(path.len(), &vertex, &next, scale * eta * eta);
+            let mut next = self.depart(&vertex, &onward, departure.ray.time);
+            let survival = self.survival_probability(path.len() + 1, &vertex, &next, scale * eta * eta);
+            onward.survival = survival;
+            vertex.onward = Some(onward);
+            path.push(vertex);
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
                     visitor.ends(&vertex, 1.0 - survival);
@@ -141,31 +152,28 @@ impl<'a> Walk<'a> {
             throughput: from.throughput,
             pdf_area,
             others,
-            went_on: None,
+            onward: None,
         })
     }
 
-    /// The departure from a vertex in a sampled direction; `None` where nothing goes on.
+    /// The departure from a vertex.
     #[inline]
-    fn depart(&self, vertex: &Vertex<'_>, sample: &BsdfSample, time: f32) -> Option<Departure> {
-        let Vertex { point, scatterer, wo, others, .. } = vertex;
-        let throughput = vertex.throughput * sample.weight * vertex.adjoint_correction(sample.wi, self.mode);
-        if throughput.is_zero() {
-            return None;
-        }
+    fn depart(&self, vertex: &Vertex<'_>, onward: &Onward, time: f32) -> Departure {
+        let Vertex { point, others, .. } = vertex;
+        let wi = onward.direction;
         // A lobe of a single direction is as likely one way as the other.
-        let back = if sample.delta { sample.pdf } else { scatterer.pdf(sample.wi, *wo) };
-        let connected = if sample.delta { 0.0 } else { others.connected };
-        Some(Departure {
-            ray: Ray { time, ..Ray::new(point.leave(sample.wi), sample.wi) },
+        let back = if onward.delta { onward.pdf } else { vertex.scatterer.pdf(wi, vertex.wo) };
+        let connected = if onward.delta { 0.0 } else { others.connected };
+        Departure {
+            ray: Ray { time, ..Ray::new(point.leave(wi), wi) },
             position: point.position,
-            throughput,
-            pdf: sample.pdf,
-            cos: point.geometric_normal.dot(sample.wi).abs(),
+            throughput: vertex.throughput * onward.weight,
+            pdf: onward.pdf,
+            cos: point.geometric_normal.dot(wi).abs(),
             infinite: false,
-            link: if sample.delta { 0.0 } else { 1.0 },
+            link: if onward.delta { 0.0 } else { 1.0 },
             chain: connected + raise(self.heuristic, back) * others.shorter,
-        })
+        }
     }
 
     /// `scale` makes the throughput relative to that at the start.

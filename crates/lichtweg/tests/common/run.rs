@@ -3,8 +3,8 @@
 use lichtweg::render::{Job, LayerSelection, Progress, RenderedImage};
 use lichtweg::scene::Scene;
 use lichtweg::scene::description::{
-    CameraDescription, Description, Diagnostics, EstimatorKind, FieldOfView, FilmDescription, FilterDescription, FovAxis,
-    Heuristic, LightStrategy,
+    CameraDescription, Description, Diagnostics, EstimatorKind, FieldOfView, FilmDescription,
+    FilterDescription, FovAxis, Heuristic, LightStrategy,
 };
 use lichtweg_ray::math::Affine;
 

@@ -162,10 +162,8 @@ impl Job {
                     splats: &mut splats.splats,
                     invalid: false,
                 };
-                let CameraSample { ray, weight, mut sampler, number } =
+                let CameraSample { ray, weight, mut sampler, mut light_sampler } =
                     CameraSample::new(self, position, index);
-                let mut light_sampler =
-                    Sampler::new(self.sampler, self.seed ^ LIGHT_SEED, u64::from(index), number);
                 match splatting {
                     Splatting::Light(tracer) => tracer.sample(
                         scene,
@@ -181,6 +179,7 @@ impl Job {
                         &sensor,
                         ray,
                         [&mut sampler, &mut light_sampler],
+                        expected(&tile.pixels[i], self.film_scale),
                         &mut workspace,
                         &mut counts,
                         &mut sink,
@@ -208,25 +207,34 @@ impl Job {
     }
 }
 
+/// The radiance that a pixel has shown so far, about; 0 where nothing is known of it.
+fn expected(pixel: &Pixel, film_scale: f32) -> f32 {
+    let [r, g, b] = pixel.mean().map(|v| v as f32 / film_scale);
+    let mean = r.max(g).max(b);
+    if pixel.count >= 4 && mean.is_finite() { mean.max(0.0) } else { 0.0 }
+}
+
 /// The ray of a sample of a pixel.
-struct CameraSample {
-    ray: Ray,
+pub(super) struct CameraSample {
+    pub ray: Ray,
     /// Of the reconstruction filter.
-    weight: f32,
+    pub weight: f32,
     /// What is left of its random numbers.
-    sampler: Sampler,
-    /// Of the pixel, over the film.
-    number: u32,
+    pub sampler: Sampler,
+    /// The random numbers of its walk from a light.
+    pub light_sampler: Sampler,
 }
 
 impl CameraSample {
-    fn new(job: &Job, [x, y]: [u32; 2], index: u32) -> Self {
+    pub fn new(job: &Job, [x, y]: [u32; 2], index: u32) -> Self {
         let number = y * job.size[0] + x;
         let mut sampler = Sampler::new(job.sampler, job.seed, u64::from(number), index);
         let ([dx, dy], weight) = job.filter.sample(sampler.next_2d());
         let film = [(x as f32 + 0.5 + dx) / job.size[0] as f32, (y as f32 + 0.5 + dy) / job.size[1] as f32];
         let (lens, time) = (sampler.next_2d(), sampler.next_1d());
-        Self { ray: job.camera.ray(film, lens, time), weight, sampler, number }
+        // The walks of one sample of all pixels are one sequence: stratified over the lights together.
+        let light_sampler = Sampler::new(job.sampler, job.seed ^ LIGHT_SEED, u64::from(index), number);
+        Self { ray: job.camera.ray(film, lens, time), weight, sampler, light_sampler }
     }
 }
 
