@@ -8,12 +8,15 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use lichtweg_io::builtin::PREFIX;
 
+use crate::bake::BakeArgs;
 use crate::completions::CompletionsArgs;
 use crate::failure::Failure;
 use crate::info::InfoArgs;
 use crate::man::ManArgs;
+use crate::path::PathArgs;
+use crate::pyramid::PyramidArgs;
 use crate::render::RenderArgs;
-use crate::{completions, info, man, render, scenes};
+use crate::{bake, completions, info, man, path, pyramid, render, scenes};
 
 const ABOUT: &str = "Lichtweg, a Monte Carlo light transport system";
 
@@ -28,6 +31,9 @@ Examples:
   lichtweg                              render the built-in Cornell box
   lichtweg render scene.xml --spp 256   render a scene to scene.exr and scene.png
   lichtweg render scene.pbrt --time 60  render for a minute
+  lichtweg pyramid scene.xml -o dir     the image of every strategy of bidirectional path tracing
+  lichtweg path scene.xml --pixel 9,9   the paths of a sample, with all their factors
+  lichtweg bake scene.xml -o dir        irradiance maps of all shapes
   lichtweg info scene.xml               what is in a scene, what is not supported
   lichtweg scenes                       the scenes that are built in
 
@@ -48,6 +54,9 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<RenderArgs>),
+    Pyramid(Box<PyramidArgs>),
+    Path(Box<PathArgs>),
+    Bake(Box<BakeArgs>),
     Info(InfoArgs),
     /// List the scenes that are built in
     Scenes,
@@ -65,6 +74,9 @@ pub fn run() -> ExitCode {
     let result = match parse().command {
         None => render::run(&RenderArgs::defaults()),
         Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Pyramid(args)) => pyramid::run(&args),
+        Some(Command::Path(args)) => path::run(&args),
+        Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Info(args)) => info::run(&args),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Completions(args)) => completions::run(&args),

@@ -115,7 +115,7 @@ pub struct RenderArgs {
 
 /// `--max-depth`: `None` is no limit. (An own type, as clap takes an option in an option for an optional value.)
 #[derive(Clone, Copy, Debug)]
-struct MaxDepth(Option<u32>);
+pub struct MaxDepth(pub Option<u32>);
 
 impl std::str::FromStr for MaxDepth {
     type Err = String;
@@ -126,7 +126,7 @@ impl std::str::FromStr for MaxDepth {
 }
 
 /// Stack of a thread: readers recurse over what is nested in files.
-const STACK_BYTES: usize = 16 << 20;
+pub const STACK_BYTES: usize = 16 << 20;
 
 /// Renders.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {

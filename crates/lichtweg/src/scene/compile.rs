@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::description::{
     Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
-    Mesh, ShapeDescription, SpectrumDescription, TextureInput,
+    Mesh, ShapeDescription, SpectrumDescription,
 };
 use super::surface::{Form, MeshForm, QuadricForm};
 use super::{MaterialArena, Scene, Shape};
@@ -19,7 +19,7 @@ use crate::light::{
     AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightSelection,
     MapEnvironment, Point, Spot, Surroundings,
 };
-use crate::texture::TextureArena;
+use crate::texture::{Input, TextureArena};
 
 /// What compiling a scene took and found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,6 +46,9 @@ impl Scene {
                 }
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
+        }
+        if !description.keep_coordinates {
+            forget_coordinates(&mut shapes, &lights, &materials);
         }
         for light in &description.lights {
             lights.extend(compile_light(light, diagnostics));
@@ -203,7 +206,7 @@ fn geometry(form: &Form) -> Geometry {
 }
 
 fn add_shape(
-    mut form: Form,
+    form: Form,
     source: &ShapeDescription,
     materials: &MaterialArena,
     textures: &TextureArena,
@@ -220,15 +223,21 @@ fn add_shape(
         lights.push(Light::Area(light));
         lights.len() as u32 - 1
     });
-    let emission_uses_coordinates = light.is_some()
-        && source.emission.as_ref().is_some_and(|e| matches!(e.radiance, TextureInput::Texture(_)));
-    if let Form::Mesh(mesh) = &mut form
-        && !emission_uses_coordinates
-        && !materials.uses_coordinates(material)
-    {
-        mesh.forget_coordinates();
-    }
     shapes.push(Shape { form, material, light, has_holes: materials.has_holes(material) });
+}
+
+/// Forgets texture coordinates that neither materials nor lights look at.
+fn forget_coordinates(shapes: &mut [Shape], lights: &[Light], materials: &MaterialArena) {
+    for shape in shapes {
+        let light = shape.light.map(|light| &lights[light as usize]);
+        let textured = matches!(light, Some(Light::Area(a)) if matches!(a.radiance, Input::Texture(_)));
+        if let Form::Mesh(mesh) = &mut shape.form
+            && !textured
+            && !materials.uses_coordinates(shape.material)
+        {
+            mesh.forget_coordinates();
+        }
+    }
 }
 
 fn area_light(
@@ -241,7 +250,7 @@ fn area_light(
     let emission = source.emission.as_ref()?;
     let radiance = textures.input(&emission.radiance, Role::Emission, emission.span, diagnostics)?;
     let negative = |s: Spectrum| s.0.iter().any(|v| *v < 0.0);
-    if let crate::texture::Input::Constant(c) = radiance
+    if let Input::Constant(c) = radiance
         && negative(c)
     {
         diagnostics.push(

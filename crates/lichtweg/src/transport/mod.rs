@@ -18,7 +18,7 @@ mod walk;
 
 pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Workspace};
 pub use explicit::{ExplicitPath, PathStrategy, PathVertex, VertexKind};
-pub use light::LightTracer;
+pub use light::{LightTracer, walk_analog};
 pub use light_end::{LightEnd, LightStart};
 pub use observer::PathObserver;
 pub use path::{PathTracer, WalkCounts};

@@ -51,6 +51,8 @@ pub struct Description {
     pub shapes: Vec<ShapeDescription>,
     /// Lights that are no shape.
     pub lights: Vec<LightDescription>,
+    /// Keep the texture coordinates of shapes that nothing looks at.
+    pub keep_coordinates: bool,
 }
 
 impl Description {
