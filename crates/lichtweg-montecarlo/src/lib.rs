@@ -44,4 +44,4 @@ pub mod warp;
 
 pub use moments::{CompensatedSum, Moments};
 pub use roulette::Roulette;
-pub use sampler::{Sampler, SamplerKind};
+pub use sampler::{Sampler, SamplerKind, SamplerState};

@@ -44,6 +44,17 @@ pub struct Sampler {
     kind: SamplerKind,
 }
 
+/// Where a [`Sampler`] stands, for those who keep many samplers a column a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SamplerState {
+    /// Hash of seed, stream and sequence.
+    pub key: u64,
+    /// Index in the sequence.
+    pub index: u32,
+    /// Number of the next dimension.
+    pub dimension: u32,
+}
+
 impl Sampler {
     /// The values of sample number `sample` of `stream` (a pixel index, a chunk of light paths, ...) under `seed`.
     #[inline]
@@ -55,6 +66,20 @@ impl Sampler {
             SamplerKind::Sobol => (sample & 1, sample >> 1),
         };
         Self { key: hash3(seed, stream, sequence as u64), index, dimension: 0, kind }
+    }
+
+    /// Where it stands.
+    #[inline]
+    #[must_use]
+    pub const fn state(&self) -> SamplerState {
+        SamplerState { key: self.key, index: self.index, dimension: self.dimension }
+    }
+
+    /// Goes on from where a sampler of the same kind stood.
+    #[inline]
+    #[must_use]
+    pub const fn from_state(kind: SamplerKind, state: SamplerState) -> Self {
+        Self { key: state.key, index: state.index, dimension: state.dimension, kind }
     }
 
     /// The same sample, continued at `dimension`: gives a bounce or a subpath a fixed place in the sequence no matter

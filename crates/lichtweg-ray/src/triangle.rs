@@ -14,10 +14,10 @@ use crate::math::Vec3;
 use crate::simd::Lanes;
 
 /// Doubled projected areas below this are left to `f64`.
-const TINY_AREA: f32 = 7.888_609e-31; // 2^-100
+pub(crate) const TINY_AREA: f32 = 7.888_609e-31; // 2^-100
 
 /// Relative slack of the first look at the depth.
-const SLACK: f32 = 1e-6;
+pub(crate) const SLACK: f32 = 1e-6;
 
 /// A ray's shear: the axis z of largest direction component, the other two, and the map to the z axis.
 #[derive(Clone, Copy, Debug)]
@@ -108,6 +108,12 @@ impl<V: Lanes> WideShear<V> {
         }
     }
 
+    /// The shear itself.
+    #[inline(always)]
+    pub(crate) fn scalar(&self) -> Shear {
+        self.shear
+    }
+
     /// The range's end, as [`WideShear::intersect`] wants it.
     #[inline(always)]
     pub(crate) fn end(&self, tfar: f32) -> End<V> {
@@ -174,9 +180,8 @@ fn wide<V: Lanes>([x, y, z]: [f32; 3]) -> [V; 3] {
     [V::splat(x), V::splat(y), V::splat(z)]
 }
 
-/// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
 /// The scalar test, with the same result as the vector test where that is definite.
-fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
+pub(crate) fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
     let [a, b, c] = corners.map(|p| {
         let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p[shear.axes[i]] - shear.origin[i]);
@@ -196,6 +201,7 @@ fn triangle(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     Some(TriangleHit { t, u: v, v: w })
 }
 
+/// The test with the sheared `f32` vertices taken as exact and all else in `f64`.
 fn exact(shear: &Shear, corners: [Vec3; 3]) -> Option<TriangleHit> {
     let [sx, sy, sz] = shear.scale;
     let [a, b, c] = corners.map(|p| {

@@ -58,6 +58,7 @@ impl<'a> Translator<'a> {
                 flip_normals: flip ^ mirrored,
                 material,
                 emission,
+                group: None,
             });
         });
     }

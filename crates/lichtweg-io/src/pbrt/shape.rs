@@ -110,6 +110,7 @@ impl Builder<'_> {
             flip_normals: statement.reverse_orientation,
             material,
             emission,
+            group: None,
         })
     }
 

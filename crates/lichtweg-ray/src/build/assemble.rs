@@ -21,7 +21,7 @@ pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh,
         ChildRef::NOTHING
     } else {
         let builder =
-            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.quadrics.is_empty() };
+            TreeBuilder { geometries, numbering: &census.numbering, mixed: !census.items.is_empty() };
         let built = builder.build(primitives);
         plan.end.nodes = upper_nodes(&built);
         plan.place(built)
@@ -29,8 +29,7 @@ pub(crate) fn build(geometries: &[Geometry], census: &mut Census) -> Result<Bvh,
     if plan.end.blocks.max(plan.end.others) >= ChildRef::MAX_INDEX {
         return Err(BuildError::TooLarge { primitives: primitives.len() });
     }
-    let b = census.bounds;
-    let reach = if b.is_empty() { 0.0 } else { b.min.abs().max(b.max.abs()).max_element() };
+    let reach = census.bounds.reach();
     let numbering = std::mem::take(&mut census.numbering);
     Ok(plan.assemble(root, numbering, reach))
 }

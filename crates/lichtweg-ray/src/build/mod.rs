@@ -6,4 +6,4 @@ mod primitive;
 mod tree;
 
 pub(crate) use assemble::build;
-pub(crate) use primitive::{MAX_COORDINATE, census};
+pub(crate) use primitive::{MAX_COORDINATE, census, padded};

@@ -5,11 +5,11 @@
 
 use rayon::prelude::*;
 
-use crate::accel::BuildError;
+use crate::accel::{BuildError, BuildReport};
 use crate::bvh::Numbering;
 use crate::geometry::{Geometry, TriangleMesh};
+use crate::kind::{Item, Kind, in_range};
 use crate::math::{Bounds3, Vec3};
-use crate::quadric::PlacedQuadric;
 use crate::simd::{Quad, QuadBox};
 
 /// Largest absolute coordinate that cannot overflow in a query: 2^40.
@@ -25,7 +25,7 @@ pub(crate) struct Primitive {
 
 impl Primitive {
     #[inline(always)]
-    fn new(lo: Vec3, hi: Vec3, geometry: u32, primitive: u32) -> Self {
+    fn new(Bounds3 { min: lo, max: hi }: Bounds3, geometry: u32, primitive: u32) -> Self {
         Self {
             bounds: QuadBox {
                 lo: Quad::new(lo.x, lo.y, lo.z, f32::from_bits(geometry)),
@@ -54,25 +54,26 @@ impl Primitive {
 /// All primitives of a scene, and what was left out.
 pub(crate) struct Census {
     pub primitives: Vec<Primitive>,
-    pub quadrics: Vec<PlacedQuadric>,
+    /// One a geometry.
+    pub kinds: Vec<Kind>,
+    /// What is no static triangle; such a primitive's index is its place here.
+    pub items: Vec<Item>,
     pub numbering: Numbering,
     /// Exact bounds of what can be hit.
     pub bounds: Bounds3,
-    pub triangles: usize,
-    pub dropped_degenerate: usize,
-    pub dropped_non_finite: usize,
+    /// The counts, so far.
+    pub report: BuildReport,
 }
 
 impl Default for Census {
     fn default() -> Self {
         Self {
             primitives: Vec::new(),
-            quadrics: Vec::new(),
+            kinds: Vec::new(),
+            items: Vec::new(),
             numbering: Numbering::default(),
             bounds: Bounds3::EMPTY,
-            triangles: 0,
-            dropped_degenerate: 0,
-            dropped_non_finite: 0,
+            report: BuildReport::default(),
         }
     }
 }
@@ -85,35 +86,54 @@ struct Chunk {
     dropped_non_finite: usize,
 }
 
-/// Checks and lists the primitives in order of geometry, then index. A quadric's primitive index is its
-/// place in the list of quadrics.
+/// Checks and lists the primitives in order of geometry, then index.
 pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
     let counts = || geometries.iter().map(Geometry::primitives);
     let numbering = Numbering::new(counts())
         .ok_or_else(|| BuildError::TooLarge { primitives: counts().fold(0, usize::saturating_add) })?;
-    let mut all = Census::default();
+    let mut all = Census { numbering, ..Census::default() };
     for (geometry, g) in (0..).zip(geometries) {
-        match g {
-            Geometry::Triangles(mesh) => add_triangles(&mut all, geometry, mesh)?,
-            Geometry::Quadric(quadric) => {
-                if let Some(reason) = quadric.shape.fault() {
-                    return Err(BuildError::InvalidQuadric { geometry, reason });
-                }
-                let bounds = quadric.bounds();
-                let placed = quadric.place(numbering.number(geometry, 0));
-                let in_range = |p: Vec3| p.abs().max_element() <= MAX_COORDINATE;
-                let Some(placed) = placed.filter(|_| in_range(bounds.min) && in_range(bounds.max)) else {
-                    return Err(BuildError::SingularTransform { geometry });
-                };
-                all.bounds = all.bounds.union(bounds);
-                let index = all.quadrics.len() as u32;
-                all.primitives.push(Primitive::new(bounds.min, bounds.max, geometry, index));
-                all.quadrics.push(placed);
-            }
+        let kind = Kind::prepare(geometry, g)?;
+        if let Geometry::Triangles(mesh) = g {
+            add_triangles(&mut all, geometry, mesh)?;
         }
+        let items = add_items(&mut all, geometry, &kind);
+        kind.count(items, &mut all.report);
+        all.kinds.push(kind);
     }
-    all.numbering = numbering;
+    if all.report.instances > 0 {
+        widen_instances(&mut all);
+    }
     Ok(all)
+}
+
+/// Gives boxes of instances the margin that depends on the size of the whole scene.
+fn widen_instances(all: &mut Census) {
+    let reach = all.bounds.reach();
+    all.primitives.par_iter_mut().for_each(|p| {
+        if let Kind::Instance(instance) = &all.kinds[p.geometry() as usize] {
+            let wide = p.bounds.to_bounds().widened(instance.margin(reach));
+            *p = Primitive::new(wide, p.geometry(), p.primitive());
+        }
+    });
+}
+
+/// Lists the boxes of what is no static triangle; returns their number.
+fn add_items(all: &mut Census, geometry: u32, kind: &Kind) -> usize {
+    let before = all.items.len();
+    for (index, bounds) in (0..).zip(kind.boxes()) {
+        if bounds == Bounds3::EMPTY {
+            continue;
+        }
+        if !in_range(&bounds) {
+            all.report.dropped_non_finite += 1;
+            continue;
+        }
+        all.bounds = all.bounds.union(bounds);
+        all.primitives.push(Primitive::new(bounds, geometry, all.items.len() as u32));
+        all.items.push(Item { geometry, index });
+    }
+    all.items.len() - before
 }
 
 fn add_triangles(all: &mut Census, geometry: u32, mesh: &TriangleMesh) -> Result<(), BuildError> {
@@ -126,9 +146,9 @@ fn add_triangles(all: &mut Census, geometry: u32, mesh: &TriangleMesh) -> Result
     all.primitives.reserve(chunks.iter().map(|c| c.primitives.len()).sum());
     for chunk in chunks {
         all.bounds = all.bounds.union(chunk.bounds);
-        all.triangles += chunk.primitives.len();
-        all.dropped_degenerate += chunk.dropped_degenerate;
-        all.dropped_non_finite += chunk.dropped_non_finite;
+        all.report.triangles += chunk.primitives.len();
+        all.report.dropped_degenerate += chunk.dropped_degenerate;
+        all.report.dropped_non_finite += chunk.dropped_non_finite;
         all.primitives.extend_from_slice(&chunk.primitives);
     }
     Ok(())
@@ -158,8 +178,7 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
         } else {
             let exact = Bounds3::of(corners);
             chunk.bounds = chunk.bounds.union(exact);
-            let (lo, hi) = padded(exact);
-            chunk.primitives.push(Primitive::new(lo, hi, geometry, primitive));
+            chunk.primitives.push(Primitive::new(padded(exact), geometry, primitive));
         }
     }
     Ok(chunk)
@@ -174,8 +193,9 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
 }
 
-fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> (Vec3, Vec3) {
+/// A box with the margin that hits of triangles need.
+pub(crate) fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> Bounds3 {
     let margin = (hi - lo).max_element() * (3.0 * 2.0_f32.powi(-23));
     let outwards = |p: Vec3| p.abs() * (0.51 * f32::EPSILON) + Vec3::splat(margin);
-    (lo - outwards(lo), hi + outwards(hi))
+    Bounds3 { min: lo - outwards(lo), max: hi + outwards(hi) }
 }

@@ -2,9 +2,9 @@
 
 mod layout;
 mod query;
-mod slab;
+pub(crate) mod slab;
 mod traverse;
 
 pub(crate) use layout::{Block, Bvh, ChildRef, Node, Numbering};
-pub(crate) use query::{closest, occluded};
-pub(crate) use traverse::{MAX_DEPTH, Others};
+pub(crate) use query::{closest, closest_filtered, occluded, occluded_filtered};
+pub(crate) use traverse::{Best, MAX_DEPTH, Other, descend};

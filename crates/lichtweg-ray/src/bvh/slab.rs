@@ -87,7 +87,7 @@ fn first3<V: Lanes>(a: &[f32; WIDTH]) -> [V; 3] {
 }
 
 /// Ratio of direction components below which one is replaced: 2^-60.
-const TINY: f32 = 8.673_617e-19;
+pub(crate) const TINY: f32 = 8.673_617e-19;
 
 /// Byte distance of a minimum plane row and its maximum row in a node.
 const ROW: usize = 32;

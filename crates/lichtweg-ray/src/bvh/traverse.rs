@@ -4,8 +4,9 @@ use std::mem::MaybeUninit;
 
 use super::layout::{Block, Bvh, ChildRef, Node};
 use super::slab::{Slab, prepare};
-use crate::quadric::PlacedQuadric;
-use crate::ray::{Hit, Ray};
+use crate::accel::Accel;
+use crate::kind::{self, Probe};
+use crate::ray::{Accept, Hit, Ray};
 use crate::simd::{Lanes, WIDTH};
 use crate::triangle::{BlockHits, TriangleHit, WideShear};
 
@@ -72,83 +73,152 @@ impl Stack {
     }
 }
 
-/// The primitives that are no triangles.
-pub(crate) struct Others<'a> {
-    pub quadrics: &'a [PlacedQuadric],
-}
-
 /// The nearest hit so far.
-struct Best {
-    t: f32,
-    u: f32,
-    v: f32,
+#[derive(Clone, Copy)]
+pub(crate) struct Best {
+    pub t: f32,
+    pub u: f32,
+    pub v: f32,
     /// Running number of the primitive.
-    id: u32,
-    /// Index of the quadric, or none of them.
-    quadric: u32,
+    pub id: u32,
 }
 
 impl Best {
-    const NOTHING: u32 = u32::MAX;
+    pub(crate) const NOTHING: u32 = u32::MAX;
 
     fn none(tfar: f32) -> Self {
-        Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING, quadric: Self::NOTHING }
+        Self { t: tfar, u: 0.0, v: 0.0, id: Self::NOTHING }
     }
 
-    /// Takes a hit with `t <= self.t`; of equally near ones the lowest number wins, and nothing has
-    /// the highest.
+    /// Takes a hit with `t <= self.t`, if it is the better one: of equally near ones the lowest number wins, and
+    /// nothing has the highest.
     #[inline(always)]
-    fn consider(&mut self, hit: TriangleHit, id: u32, quadric: u32) {
-        if hit.t < self.t || id < self.id {
-            *self = Self { t: hit.t, u: hit.u, v: hit.v, id, quadric };
+    pub(crate) fn consider(&mut self, hit: TriangleHit, id: u32) -> bool {
+        let better = hit.t < self.t || id < self.id;
+        if better {
+            *self = Self { t: hit.t, u: hit.u, v: hit.v, id };
         }
+        better
     }
 }
 
-/// The nearest hit, or with `ANY` an arbitrary one, of which only the existence means something.
+/// The nearest hit so far of what is no triangle of a block.
+#[derive(Clone, Copy)]
+pub(crate) struct Other {
+    hit: Hit,
+    id: u32,
+}
+
+impl Other {
+    pub(crate) const NONE: Self = Self { hit: Hit::NONE, id: Best::NOTHING };
+
+    /// Running number of the primitive, or [`Best::NOTHING`].
+    #[inline(always)]
+    pub(crate) fn id(&self) -> u32 {
+        self.id
+    }
+}
+
+/// The nearest hit, or with `ANY` an arbitrary one, of which only the existence means something. With `FILTERED`
+/// hits count only where masks and `accept` let them; without, neither is looked at.
 #[inline(always)]
-pub(crate) fn traverse<V: Lanes, const ANY: bool>(bvh: &Bvh, others: &Others, ray: &Ray) -> Option<Hit> {
-    let (slab, shear, tfar) = prepare::<V>(ray, bvh.reach)?;
-    let tnear = shear.tnear;
-    let shear = WideShear::<V>::new(&shear);
+pub(crate) fn traverse<V: Lanes, const ANY: bool, const FILTERED: bool>(
+    accel: &Accel,
+    ray: &Ray,
+    accept: Option<Accept>,
+) -> Option<Hit> {
+    let (slab, shear, tfar) = prepare::<V>(ray, accel.bvh.reach)?;
+    let prepared = (slab, WideShear::<V>::new(&shear));
     let mut best = Best::none(tfar);
+    let mut other = Other::NONE;
+    let root = accel.bvh.root;
+    if descend::<V, ANY, FILTERED>(accel, ray, &prepared, accept, &mut best, &mut other, root) {
+        return Some(Hit::NONE);
+    }
+    best.hit(accel, ray, &other)
+}
+
+impl Best {
+    /// Names what was hit.
+    #[inline(always)]
+    pub(crate) fn hit(&self, accel: &Accel, ray: &Ray, other: &Other) -> Option<Hit> {
+        if self.id == Self::NOTHING {
+            return None;
+        }
+        if self.id == other.id && other.hit.is_instanced() {
+            return Some(other.hit);
+        }
+        if self.id == other.id {
+            return Some(accel.kinds[other.hit.geometry as usize].completed(ray, other.hit));
+        }
+        let (geometry, primitive) = accel.bvh.numbering.locate(self.id);
+        Some(Hit::plain(self.t, self.u, self.v, geometry, primitive))
+    }
+}
+
+/// Looks for something nearer than `best` in and below a child; with `ANY`, whether there is anything.
+#[inline(always)]
+pub(crate) fn descend<V: Lanes, const ANY: bool, const FILTERED: bool>(
+    accel: &Accel,
+    ray: &Ray,
+    (slab, shear): &(Slab<V>, WideShear<V>),
+    accept: Option<Accept>,
+    best: &mut Best,
+    other: &mut Other,
+    mut current: ChildRef,
+) -> bool {
+    let bvh = &accel.bvh;
     let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
     let base = entries.as_mut_ptr().cast();
     let mut stack = Stack { top: base, base };
-    let mut current = bvh.root;
     loop {
-        let event = go::<V, ANY>(bvh, &slab, &shear, &mut best, &mut stack, current);
-        match event {
-            Event::Done => return finish(bvh, others, ray, &best),
-            Event::Found => return Some(HIT_SOMETHING),
-            Event::Doubt(block) => {
+        match go::<V, ANY, FILTERED>(bvh, slab, shear, best, &mut stack, current) {
+            Event::Done => return false,
+            Event::Found => return true,
+            Event::Block(index) => {
+                let block = &bvh.blocks[index];
                 for lane in 0..WIDTH {
-                    let hit = shear.settle(&bvh.blocks[block], lane, best.t);
-                    if let Some(h) = hit {
-                        if ANY {
-                            return Some(HIT_SOMETHING);
-                        }
-                        best.consider(h, bvh.blocks[block].ids[lane], Best::NOTHING);
+                    let Some(h) = shear.settle(block, lane, best.t) else { continue };
+                    if FILTERED && !accel.accepts(ray, h, block.ids[lane], accept) {
+                        continue;
                     }
+                    if ANY {
+                        return true;
+                    }
+                    best.consider(h, block.ids[lane]);
                 }
             }
             Event::Others(leaf) => {
-                let (begin, count) = leaf.leaf();
-                for &quadric in &bvh.others[begin..begin + count] {
-                    let placed = &others.quadrics[quadric as usize];
-                    if let Some(t) = placed.intersect(ray, tnear, best.t) {
-                        if ANY {
-                            return Some(HIT_SOMETHING);
-                        }
-                        best.consider(TriangleHit { t, u: 0.0, v: 0.0 }, placed.id, quadric);
-                    }
+                let probe = Probe { ray, isa: V::ISA, shear: shear.scalar() };
+                if best.meet::<ANY, FILTERED>(accel, leaf, &probe, accept, other) && ANY {
+                    return true;
                 }
             }
         }
         match stack.pop(best.t) {
             Some(next) => current = next,
-            None => return finish(bvh, others, ray, &best),
+            None => return false,
         }
+    }
+}
+
+impl Best {
+    /// Takes the nearest hit in a leaf of other primitives, if it is the better one; whether there is any.
+    #[inline(always)]
+    pub(crate) fn meet<const ANY: bool, const FILTERED: bool>(
+        &mut self,
+        accel: &Accel,
+        leaf: ChildRef,
+        probe: &Probe,
+        accept: Option<Accept>,
+        other: &mut Other,
+    ) -> bool {
+        let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, probe, self.t, accept);
+        let Some((hit, id)) = nearest else { return false };
+        if self.consider(TriangleHit { t: hit.t, u: hit.u, v: hit.v }, id) {
+            *other = Other { hit, id };
+        }
+        true
     }
 }
 
@@ -158,15 +228,15 @@ enum Event {
     Done,
     /// Any hit was wanted and one was found.
     Found,
-    /// A block has triangles that need the slow test.
-    Doubt(usize),
+    /// A block has triangles that need the slow test, or hits that need to be accepted.
+    Block(usize),
     /// A leaf of other primitives.
     Others(ChildRef),
 }
 
 /// The fast loop. It calls no function, so that its constants stay in registers.
 #[inline(always)]
-fn go<V: Lanes, const ANY: bool>(
+fn go<V: Lanes, const ANY: bool, const FILTERED: bool>(
     bvh: &Bvh,
     slab: &Slab<V>,
     shear: &WideShear<V>,
@@ -267,12 +337,12 @@ fn go<V: Lanes, const ANY: bool>(
             let block = unsafe { bvh.blocks.get_unchecked(index) };
             let hits = shear.intersect(block, &end);
             if hits.mask != 0 {
-                if hits.doubt {
+                if FILTERED || hits.doubt {
                     let rest = begin + count - index - 1;
                     if rest != 0 {
                         stack.push(pack(0.0, ChildRef::triangles(index + 1, rest)));
                     }
-                    return Event::Doubt(index);
+                    return Event::Block(index);
                 }
                 if ANY {
                     return Event::Found;
@@ -291,7 +361,7 @@ fn go<V: Lanes, const ANY: bool>(
 /// Asks for the memory of a child that will be visited later.
 #[inline(always)]
 fn fetch(bvh: &Bvh, c: ChildRef) {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
     {
         use std::arch::x86_64::*;
         let leaf = c.is_leaf();
@@ -311,8 +381,6 @@ fn fetch(bvh: &Bvh, c: ChildRef) {
 fn in_order(a: u64, b: u64) -> (u64, u64) {
     (a.min(b), a.max(b))
 }
-
-const HIT_SOMETHING: Hit = Hit { t: 0.0, u: 0.0, v: 0.0, geometry: 0, primitive: 0 };
 
 #[inline(always)]
 fn child(node: &Node, slot: usize) -> ChildRef {
@@ -334,19 +402,5 @@ fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: &Block) {
             nearest = lane;
         }
     }
-    best.consider(hits.lane(nearest), block.ids[nearest], Best::NOTHING);
-}
-
-/// Names what was hit.
-#[inline(always)]
-fn finish(bvh: &Bvh, others: &Others, ray: &Ray, best: &Best) -> Option<Hit> {
-    if best.id == Best::NOTHING {
-        return None;
-    }
-    let (geometry, primitive) = bvh.numbering.locate(best.id);
-    let (mut u, mut v) = (best.u, best.v);
-    if best.quadric != Best::NOTHING {
-        (u, v) = others.quadrics[best.quadric as usize].parameters(ray, best.t);
-    }
-    Some(Hit { t: best.t, u, v, geometry, primitive })
+    best.consider(hits.lane(nearest), block.ids[nearest]);
 }

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::wide::arithmetic_256;
-use super::{Aligned8, Lanes};
+use super::{Aligned8, Isa, Lanes};
 
 // SAFETY (every block in this file): the intrinsics need AVX-512 F, VL and DQ; values of this type exist only below
 // the dispatch that has detected them. Memory is touched by `load` and `to_array` alone.
@@ -13,6 +13,7 @@ use super::{Aligned8, Lanes};
 pub(crate) struct Avx512(__m256);
 
 impl Lanes for Avx512 {
+    const ISA: Isa = Isa::Avx512;
     type Mask = __mmask8;
 
     arithmetic_256!();

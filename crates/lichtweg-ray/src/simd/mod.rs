@@ -4,6 +4,8 @@
 //! dispatch (see [`Isa`]). Every operation is exactly rounded IEEE arithmetic with the same treatment of
 //! NaN, so that all instruction sets give the same bits.
 
+use std::sync::OnceLock;
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -37,11 +39,11 @@ pub(crate) enum Isa {
 }
 
 impl Isa {
-    /// All that this machine can run, worst first.
+    /// All that this machine can run, worst first; under Miri, which knows few intrinsics, only the portable one.
     pub(crate) fn available() -> Vec<Self> {
-        #[cfg_attr(not(target_arch = "x86_64"), allow(unused_mut))]
+        #[cfg_attr(any(not(target_arch = "x86_64"), miri), allow(unused_mut))]
         let mut all = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", not(miri)))]
         {
             use std::arch::is_x86_feature_detected as has;
             let avx2 = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt");
@@ -57,7 +59,8 @@ impl Isa {
 
     /// The best that this machine can run.
     pub(crate) fn best() -> Self {
-        *Self::available().last().expect("the portable set is always there")
+        static BEST: OnceLock<Isa> = OnceLock::new();
+        *BEST.get_or_init(|| *Self::available().last().expect("the portable set is always there"))
     }
 }
 
@@ -66,6 +69,8 @@ impl Isa {
 /// Implementors that use intrinsics may be touched only below a dispatch that has detected the
 /// instruction set; the module boundary keeps that promise, hence the methods are not `unsafe`.
 pub(crate) trait Lanes: Copy {
+    /// Which one this is.
+    const ISA: Isa;
     /// One truth value a lane.
     type Mask: Copy;
 

@@ -1,6 +1,6 @@
 //! The lanes in plain Rust: the definition that the intrinsics must reproduce.
 
-use super::{Aligned8, Lanes, WIDTH};
+use super::{Aligned8, Isa, Lanes, WIDTH};
 
 /// Eight lanes in an array.
 #[derive(Clone, Copy)]
@@ -19,6 +19,7 @@ impl Portable {
 }
 
 impl Lanes for Portable {
+    const ISA: Isa = Isa::Portable;
     type Mask = u32;
 
     #[inline(always)]

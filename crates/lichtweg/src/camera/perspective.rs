@@ -23,7 +23,6 @@ pub struct Camera {
     focus_distance: f32,
     near: f32,
     far: f32,
-    shutter: [f32; 2],
 }
 
 /// How the camera sees in a direction from a point on its lens.
@@ -78,7 +77,6 @@ impl Camera {
             focus_distance: description.focus_distance,
             near: description.near_clip.max(0.0),
             far: description.far_clip,
-            shutter: description.shutter,
         })
     }
 
@@ -97,19 +95,9 @@ impl Camera {
         let direction = direction.normalized();
         let [left, up, forward] = self.axes;
         let [tnear, tfar] = self.clip(direction.z);
-        Ray {
-            origin: self.origin + left * lx + up * ly,
-            direction: left * direction.x + up * direction.y + forward * direction.z,
-            tnear,
-            tfar,
-            time: self.time(time),
-        }
-    }
-
-    /// A time while the shutter is open.
-    #[inline]
-    pub fn time(&self, u: f32) -> f32 {
-        self.shutter[0] + u * (self.shutter[1] - self.shutter[0])
+        let origin = self.origin + left * lx + up * ly;
+        let direction = left * direction.x + up * direction.y + forward * direction.z;
+        Ray::new(origin, direction).between(tnear, tfar).at_time(time)
     }
 
     /// Distances between which the camera sees, in a direction whose cosine to the axis is given.

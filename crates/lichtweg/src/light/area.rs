@@ -8,11 +8,12 @@ use std::f32::consts::{PI, TAU};
 use lichtweg_montecarlo::{distribution::AliasTable, warp};
 use lichtweg_ray::QuadricShape;
 use lichtweg_ray::math::{Vec2, Vec3};
+use lichtweg_ray::wide::Row;
 
 use super::LightSample;
 use crate::bsdf::Frame;
 use crate::color::Spectrum;
-use crate::scene::{Form, QuadricForm, Scene, SurfacePoint, offset};
+use crate::scene::{Form, Place, QuadricForm, Scene, SurfacePoint, offset};
 use crate::texture::{Input, TextureArena};
 
 /// An emitting shape.
@@ -28,6 +29,18 @@ pub struct AreaLight {
     pub two_sided: bool,
     /// How points on it are chosen.
     pub sampling: EmissionSampling,
+    /// Where it is made of triangles of constant radiance without holes: what sixteen walks at once need of it.
+    pub(crate) row: Option<Row>,
+}
+
+/// A triangle chosen on a light.
+pub(crate) struct TrianglePick<'a> {
+    /// See [`MeshForm::row`](crate::scene::MeshForm).
+    pub facet: &'a Row,
+    /// See [`AreaLight::emission_row`].
+    pub emission: &'a Row,
+    /// What is left of the random number.
+    pub remapped: f32,
 }
 
 /// How points on an emitting shape are chosen.
@@ -58,7 +71,8 @@ impl EmissionSampling {
             Form::Mesh(mesh) => {
                 let areas: Vec<f32> = (0..mesh.triangles.len() as u32).map(|i| mesh.area(i)).collect();
                 let table = AliasTable::new(&areas).ok()?;
-                Some(Self::Triangles { table, area: areas.iter().map(|&a| f64::from(a)).sum::<f64>() as f32 })
+                let area = areas.iter().map(|&a| f64::from(a)).sum::<f64>() as f32;
+                Some(Self::Triangles { table, area })
             }
             Form::Quadric(quadric) => Some(match whole_sphere(quadric) {
                 Some((center, radius)) => Self::Sphere { center, radius },
@@ -143,6 +157,31 @@ impl AreaLight {
         }
     }
 
+    /// Radiance (elements 0 to 3), 1 / area (4), and 1 where both sides emit (5); `None` where that does not say it all.
+    pub(crate) fn emission_row(&self, has_holes: bool) -> Option<Row> {
+        let (EmissionSampling::Triangles { area, .. }, Input::Constant(radiance)) =
+            (&self.sampling, self.radiance)
+        else {
+            return None;
+        };
+        let mut row = Row::splat(0.0);
+        row.0[..4].copy_from_slice(&(radiance * self.factor).0);
+        row.0[4] = 1.0 / area;
+        row.0[5] = if self.two_sided { 1.0 } else { 0.0 };
+        (!has_holes).then_some(row)
+    }
+
+    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers.
+    #[inline]
+    pub(crate) fn pick_triangle<'a>(&'a self, u: f32, form: &'a Form) -> Option<TrianglePick<'a>> {
+        let (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) = (&self.sampling, form) else {
+            return None;
+        };
+        let emission = self.row.as_ref()?;
+        let pick = table.sample(u);
+        Some(TrianglePick { facet: mesh.row(pick.index as u32), emission, remapped: pick.remapped })
+    }
+
     #[inline(always)]
     fn sample_point(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
         if let EmissionSampling::Triangles { .. } = self.sampling {
@@ -204,6 +243,7 @@ impl AreaLight {
             },
             shape: self.shape,
             primitive: 0,
+            place: Place::WORLD,
         }
     }
 }

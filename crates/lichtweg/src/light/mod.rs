@@ -15,6 +15,7 @@ use lichtweg_ray::math::Vec3;
 use crate::color::Spectrum;
 use crate::scene::{Scene, SurfacePoint};
 
+pub(crate) use area::TrianglePick;
 pub use area::{AreaLight, EmissionSampling};
 pub use delta::{Directional, Point, Spot};
 pub use emission::{Emission, EmissionDensity, Surroundings};

@@ -23,7 +23,7 @@ use crate::color::Spectrum;
 use crate::film::{AuxiliarySums, Filter, Pixel};
 use crate::scene::description::{Description, Diagnostic, Diagnostics};
 use crate::scene::{Scatterer, Scene, SurfacePoint};
-use crate::transport::{PathObserver, PathTracer, WalkCounts};
+use crate::transport::{PathObserver, PathTracer, WalkCounts, Wave};
 
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
@@ -204,7 +204,10 @@ impl Job {
         while done < self.samples_per_pixel && !progress.is_stopped() {
             let pass_start = Instant::now();
             let end = done + pass_samples.min(self.samples_per_pixel - done);
-            tiles.par_iter_mut().for_each(|tile| self.render_tile(scene, tile, done..end, progress));
+            tiles.par_iter_mut().for_each_init(
+                || Wave::new(self.sampler),
+                |wave, tile| self.render_tile(scene, tile, wave, done..end, progress),
+            );
             done = end;
             passes += 1;
             progress.pass_done();
@@ -271,50 +274,49 @@ impl Job {
         &self,
         scene: &Scene,
         tile: &mut Tile,
+        wave: &mut Wave,
         samples: std::ops::Range<u32>,
         progress: &Progress,
     ) {
-        let [x0, y0, width, _] = tile.window;
         let mut counts = WalkCounts::default();
-        for i in 0..tile.pixels.len() {
-            let position = [x0 + i as u32 % width, y0 + i as u32 / width];
-            let mut pixel = tile.pixels[i];
-            for index in samples.clone() {
-                let (radiance, weight) = match tile.auxiliary.get_mut(i) {
-                    None => self.sample(scene, position, index, &mut counts, &mut ()),
-                    Some(sums) => self.sample(scene, position, index, &mut counts, &mut FirstSurface(sums)),
-                };
-                if radiance.is_valid_radiance() {
-                    pixel.add(index, radiance * self.film_scale, weight);
-                } else {
-                    tile.dropped += 1;
-                    tile.first_dropped.get_or_insert((position, index));
-                }
+        let per_pixel = samples.end - samples.start;
+        let paths = tile.pixels.len() as u32 * per_pixel;
+        let mut weights = Vec::with_capacity(Wave::CAPACITY);
+        for first in (0..paths).step_by(Wave::CAPACITY) {
+            let range = first..paths.min(first + Wave::CAPACITY as u32);
+            let path = |number: u32| (number / per_pixel, samples.start + number % per_pixel);
+            wave.clear();
+            weights.clear();
+            for number in range.clone() {
+                let (pixel, index) = path(number);
+                let (ray, sampler, weight) = self.camera_ray(tile.position(pixel), index);
+                wave.push(&ray, sampler);
+                weights.push(weight);
             }
-            tile.pixels[i] = pixel;
+            if self.auxiliary {
+                let mut observer = FirstSurface { sums: &mut tile.auxiliary, first, per_pixel };
+                self.tracer.follow(scene, wave, &mut counts, &mut observer);
+            } else {
+                self.tracer.follow(scene, wave, &mut counts, &mut ());
+            }
+            for ((number, &radiance), &weight) in range.zip(wave.radiance()).zip(&weights) {
+                let (pixel, index) = path(number);
+                tile.add(pixel, index, radiance, self.film_scale, weight);
+            }
         }
         tile.counts.merge(&counts);
-        let paths = tile.pixels.len() as u64 * u64::from(samples.end - samples.start);
-        progress.add(paths, counts.rays.closest + counts.rays.occlusion);
+        progress.add(u64::from(paths), counts.rays.closest + counts.rays.occlusion);
     }
 
-    /// One sample of one pixel: radiance and filter weight.
+    /// The ray of one sample of one pixel, what is left of its random numbers, and its filter weight.
     #[inline]
-    fn sample(
-        &self,
-        scene: &Scene,
-        [x, y]: [u32; 2],
-        index: u32,
-        counts: &mut WalkCounts,
-        observer: &mut impl PathObserver,
-    ) -> (Spectrum, f32) {
+    fn camera_ray(&self, [x, y]: [u32; 2], index: u32) -> (Ray, Sampler, f32) {
         let stream = u64::from(y) * u64::from(self.size[0]) + u64::from(x);
         let mut sampler = Sampler::new(self.sampler, self.seed, stream, index);
         let ([dx, dy], weight) = self.filter.sample(sampler.next_2d());
         let film = [(x as f32 + 0.5 + dx) / self.size[0] as f32, (y as f32 + 0.5 + dy) / self.size[1] as f32];
         let (lens, time) = (sampler.next_2d(), sampler.next_1d());
-        let ray = self.camera.ray(film, lens, time);
-        (self.tracer.radiance(scene, ray, &mut sampler, counts, observer), weight)
+        (self.camera.ray(film, lens, time), sampler, weight)
     }
 
     /// Copies the tiles into an image, and frees each.
@@ -343,15 +345,53 @@ impl Job {
     }
 }
 
+impl Tile {
+    /// Film position of a pixel.
+    fn position(&self, pixel: u32) -> [u32; 2] {
+        let [x, y, width, _] = self.window;
+        [x + pixel % width, y + pixel / width]
+    }
+
+    /// Adds a sample to a pixel, or counts it as dropped where it is no radiance.
+    #[inline]
+    fn add(&mut self, pixel: u32, index: u32, radiance: Spectrum, scale: f32, weight: f32) {
+        if radiance.is_valid_radiance() {
+            self.pixels[pixel as usize].add(index, radiance * scale, weight);
+        } else {
+            self.dropped += 1;
+            let position = self.position(pixel);
+            self.first_dropped.get_or_insert((position, index));
+        }
+    }
+}
+
 /// Records what the camera sees first.
-struct FirstSurface<'a>(&'a mut AuxiliarySums);
+struct FirstSurface<'a> {
+    /// Of each pixel.
+    sums: &'a mut [AuxiliarySums],
+    /// Number of the first path.
+    first: u32,
+    /// Paths of each pixel.
+    per_pixel: u32,
+}
 
 impl PathObserver for FirstSurface<'_> {
-    fn scatters(&mut self, depth: u32, point: &SurfacePoint, scatterer: &Scatterer<'_>, distance: f32) {
+    fn watches(&self, depth: u32) -> bool {
+        depth == 1
+    }
+
+    fn scatters(
+        &mut self,
+        path: u32,
+        depth: u32,
+        point: &SurfacePoint,
+        scatterer: &Scatterer<'_>,
+        distance: f32,
+    ) {
         if depth > 1 {
             return;
         }
-        let sums = &mut *self.0;
+        let sums = &mut self.sums[((self.first + path) / self.per_pixel) as usize];
         let add = |to: &mut [f32; 3], value: [f32; 3]| to.iter_mut().zip(value).for_each(|(a, b)| *a += b);
         add(&mut sums.albedo, scatterer.bsdf.albedo_hint().to_rgb());
         add(&mut sums.normal, point.shading_normal.to_array());

@@ -2,25 +2,33 @@
 
 mod compile;
 pub mod description;
+mod instances;
 mod material;
 pub mod offset;
 mod surface;
 
 use lichtweg_ray::math::{Bounds3, Vec3};
-use lichtweg_ray::{Accel, BuildReport, Ray};
+use lichtweg_ray::{Accel, BuildReport, Hit, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightSelection, Surroundings};
+use crate::light::{AreaLight, Environment, Light, LightSelection, Surroundings, TrianglePick};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
+pub(crate) use material::Diffuse;
 pub use material::{MaterialArena, Scatterer};
-pub use surface::{Form, MeshForm, QuadricForm, SurfacePoint};
+pub(crate) use surface::Facets;
+pub use surface::{Form, MeshForm, Place, QuadricForm, SurfacePoint};
+
+use instances::Instances;
 
 /// A compiled scene: immutable, and shared by all threads.
 #[derive(Debug)]
 pub struct Scene {
     accel: Accel,
+    instances: Instances,
+    hierarchies: BuildReport,
+    /// Those in the world as the ray engine numbers them, then those of groups.
     shapes: Vec<Shape>,
     textures: TextureArena,
     materials: MaterialArena,
@@ -40,6 +48,8 @@ struct Shape {
     material: u32,
     light: Option<u32>,
     has_holes: bool,
+    /// Where it does nothing but reflect diffusely.
+    diffuse: Option<Diffuse>,
 }
 
 /// Exact counts of ray queries.
@@ -63,6 +73,50 @@ impl RayCounts {
 const MAX_HOLES: u32 = 256;
 
 impl Scene {
+    /// Answers ray queries.
+    #[inline]
+    pub(crate) fn accel(&self) -> &Accel {
+        &self.accel
+    }
+
+    /// Whether any surface has holes.
+    #[inline]
+    pub(crate) fn has_holes(&self) -> bool {
+        self.has_holes
+    }
+
+    /// Whether there are instances: only they move.
+    #[inline]
+    pub(crate) fn has_instances(&self) -> bool {
+        !self.instances.is_empty()
+    }
+
+    /// The form of a shape in the world that does nothing but reflect diffusely, and how.
+    #[inline]
+    pub(crate) fn diffuse(&self, hit: &Hit) -> Option<(&Form, &Diffuse)> {
+        if hit.is_instanced() {
+            return None;
+        }
+        let shape = &self.shapes[hit.geometry as usize];
+        Some((&shape.form, shape.diffuse.as_ref()?))
+    }
+
+    /// What a textured diffuse triangle reflects on one of its sides.
+    pub(crate) fn diffuse_reflectance(&self, diffuse: &Diffuse, hit: &Hit, front: bool) -> Spectrum {
+        let Form::Mesh(mesh) = self.form(hit.geometry) else { return Spectrum::ZERO };
+        let uv = mesh.surface_coordinates(hit.primitive, hit.u, hit.v);
+        self.textures.eval(diffuse.reflectance[usize::from(!front)], uv)
+    }
+
+    /// A triangle of a light, see [`AreaLight::pick_triangle`]; `None` for other lights.
+    #[inline]
+    pub(crate) fn pick_triangle(&self, light: u32, u: f32) -> Option<TrianglePick<'_>> {
+        match &self.lights[light as usize] {
+            Light::Area(light) => light.pick_triangle(u, &self.shapes[light.shape as usize].form),
+            _ => None,
+        }
+    }
+
     /// The form of a shape.
     #[inline]
     pub fn form(&self, shape: u32) -> &Form {
@@ -91,9 +145,9 @@ impl Scene {
         &self.report
     }
 
-    /// What building the ray hierarchy took and found.
+    /// What building the ray hierarchies took and found.
     pub fn build_report(&self) -> &BuildReport {
-        self.accel.report()
+        &self.hierarchies
     }
 
     /// Bounds of all shapes.
@@ -123,9 +177,20 @@ impl Scene {
     ) -> Option<SurfacePoint> {
         counts.closest += 1;
         let hit = self.accel.closest(ray)?;
-        let shape = &self.shapes[hit.geometry as usize];
-        let point = shape.form.hit_point(ray, &hit);
-        if shape.has_holes {
+        self.point(ray, &hit, counts, u)
+    }
+
+    /// The surface point of the first hit of a ray, or one behind it where it is a hole; see [`Scene::intersect`].
+    #[inline]
+    pub(crate) fn point(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        counts: &mut RayCounts,
+        u: impl FnMut() -> f32,
+    ) -> Option<SurfacePoint> {
+        let point = self.hit_point(ray, hit);
+        if self.shapes[point.shape as usize].has_holes {
             return self.intersect_behind_holes(ray, point, hit.t, counts, u);
         }
         Some(point)
@@ -149,7 +214,7 @@ impl Scene {
             ray = behind(&ray, &point, t);
             counts.closest += 1;
             let hit = self.accel.closest(&ray)?;
-            point = self.form(hit.geometry).hit_point(&ray, &hit);
+            point = self.hit_point(&ray, &hit);
             t = hit.t;
         }
         None
@@ -172,11 +237,10 @@ impl Scene {
         for _ in 0..=MAX_HOLES {
             counts.occlusion += 1;
             let Some(hit) = self.accel.closest(&ray) else { return transmittance };
-            let shape = &self.shapes[hit.geometry as usize];
-            if !shape.has_holes {
+            let point = self.hit_point(&ray, &hit);
+            if !self.shapes[point.shape as usize].has_holes {
                 return 0.0;
             }
-            let point = shape.form.hit_point(&ray, &hit);
             transmittance *= 1.0 - self.opacity_at(&point, -ray.direction);
             if transmittance == 0.0 {
                 return 0.0;
@@ -197,7 +261,7 @@ impl Scene {
     #[inline]
     pub fn scatterer(&self, point: &SurfacePoint, wo: Vec3) -> Scatterer<'_> {
         let shape = &self.shapes[point.shape as usize];
-        self.materials.scatterer(shape.material, point, wo, &shape.form, &self.textures)
+        self.materials.scatterer(shape.material, point, wo, || self.partials(point), &self.textures)
     }
 
     /// The area light that a point lies on, and its index.

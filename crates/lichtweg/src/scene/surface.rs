@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Vec2, Vec3};
-use lichtweg_ray::{Hit, QuadricShape, Ray};
+use lichtweg_ray::wide::{Float, LANES, Row};
+use lichtweg_ray::{Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
 use super::offset::{offset, position_error};
 
@@ -24,6 +25,22 @@ pub struct SurfacePoint {
     pub shape: u32,
     /// The triangle, in a mesh.
     pub primitive: u32,
+    /// The instance.
+    pub place: Place,
+}
+
+/// The space that a surface point's form is in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The instance, or [`Place::WORLD`]'s.
+    pub instance: u32,
+    /// When, for instances that move.
+    pub time: f32,
+}
+
+impl Place {
+    /// No instance: the form is in the world.
+    pub const WORLD: Self = Self { instance: u32::MAX, time: 0.0 };
 }
 
 impl SurfacePoint {
@@ -51,16 +68,15 @@ pub struct MeshForm {
     /// Three positions a triangle, shared with the ray engine.
     pub triangles: Arc<[[u32; 3]]>,
     /// What a hit needs of each triangle, gathered.
-    facets: Vec<Facet>,
+    facets: Vec<Row>,
     /// Unit vertex normals, or empty.
     normals: Vec<Vec3>,
     /// Vertex texture coordinates, or empty: those of every triangle are then (0, 0), (1, 0) and (1, 1).
     uvs: Vec<Vec2>,
 }
 
-/// A triangle as hits need it: one cache line.
+/// A triangle as hits need it: one cache line, the fields of a [`Row`] in this order.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
 struct Facet {
     corner: Vec3,
     edges: [Vec3; 2],
@@ -68,6 +84,47 @@ struct Facet {
     normal: Vec3,
     area: f32,
     error: f32,
+}
+
+impl Facet {
+    #[inline(always)]
+    fn from_row(row: &Row) -> Self {
+        let r = &row.0;
+        let vector = |i: usize| Vec3::new(r[i], r[i + 1], r[i + 2]);
+        Self {
+            corner: vector(0),
+            edges: [vector(3), vector(6)],
+            normal: vector(9),
+            area: r[12],
+            error: r[13],
+        }
+    }
+
+    fn to_row(self) -> Row {
+        let mut row = Row::splat(0.0);
+        for (i, v) in [self.corner, self.edges[0], self.edges[1], self.normal].into_iter().enumerate() {
+            row.0[3 * i..3 * i + 3].copy_from_slice(&v.to_array());
+        }
+        (row.0[12], row.0[13]) = (self.area, self.error);
+        row
+    }
+}
+
+/// Sixteen facets in registers.
+pub(crate) struct Facets<F> {
+    pub corner: [F; 3],
+    pub edges: [[F; 3]; 2],
+    pub normal: [F; 3],
+    pub error: F,
+}
+
+impl<F: Float> Facets<F> {
+    /// From the rows of [`MeshForm::row`].
+    #[inline(always)]
+    pub(crate) fn new(rows: &[&Row; LANES]) -> Self {
+        let [ax, ay, az, ex, ey, ez, fx, fy, fz, nx, ny, nz, _, error, ..] = F::columns(rows);
+        Self { corner: [ax, ay, az], edges: [[ex, ey, ez], [fx, fy, fz]], normal: [nx, ny, nz], error }
+    }
 }
 
 impl MeshForm {
@@ -92,6 +149,7 @@ impl MeshForm {
                 area: 0.5 * double_area.length(),
                 error: position_error(size),
             }
+            .to_row()
         };
         let facets = triangles.iter().map(facet).collect();
         Self { positions, triangles, facets, normals, uvs }
@@ -102,19 +160,44 @@ impl MeshForm {
         self.uvs = Vec::new();
     }
 
+    /// What sixteen hits at once need of a triangle.
+    #[inline(always)]
+    pub(crate) fn row(&self, primitive: u32) -> &Row {
+        &self.facets[primitive as usize]
+    }
+
+    /// Whether normals are interpolated.
+    #[inline(always)]
+    pub(crate) fn is_smooth(&self) -> bool {
+        !self.normals.is_empty()
+    }
+
+    /// The shading normal at a point of a triangle.
+    #[inline]
+    pub(crate) fn shading_normal(&self, primitive: u32, u: f32, v: f32) -> Vec3 {
+        let normal = Facet::from_row(self.row(primitive)).normal;
+        if self.is_smooth() { self.normal(primitive, u, v, normal) } else { normal }
+    }
+
+    /// The surface coordinates at a point of a triangle.
+    #[inline]
+    pub(crate) fn surface_coordinates(&self, primitive: u32, u: f32, v: f32) -> Vec2 {
+        if self.uvs.is_empty() { Vec2::new(u + v, v) } else { self.coordinates(primitive, u, v) }
+    }
+
     /// Area of a triangle; a triangle that the ray engine drops, because it has none, has none here.
     pub fn area(&self, primitive: u32) -> f32 {
-        let facet = &self.facets[primitive as usize];
+        let facet = Facet::from_row(self.row(primitive));
         if facet.normal.is_finite() { facet.area } else { 0.0 }
     }
 
     /// The point (1 - u - v) a + u b + v c of a triangle.
     #[inline(always)]
     pub fn point(&self, shape: u32, primitive: u32, u: f32, v: f32) -> SurfacePoint {
-        let facet = &self.facets[primitive as usize];
+        let facet = Facet::from_row(self.row(primitive));
         let shading_normal =
             if self.normals.is_empty() { facet.normal } else { self.normal(primitive, u, v, facet.normal) };
-        let uv = if self.uvs.is_empty() { Vec2::new(u + v, v) } else { self.coordinates(primitive, u, v) };
+        let uv = self.surface_coordinates(primitive, u, v);
         SurfacePoint {
             position: facet.corner + facet.edges[0] * u + facet.edges[1] * v,
             error: facet.error,
@@ -123,6 +206,7 @@ impl MeshForm {
             uv,
             shape,
             primitive,
+            place: Place::WORLD,
         }
     }
 
@@ -140,7 +224,7 @@ impl MeshForm {
 
     /// Derivatives of the position with respect to the surface coordinates, constant over a triangle.
     pub fn partials(&self, primitive: u32) -> Option<[Vec3; 2]> {
-        let [e, f] = self.facets[primitive as usize].edges;
+        let [e, f] = Facet::from_row(self.row(primitive)).edges;
         let [s, t] = if self.uvs.is_empty() {
             [Vec2::new(1.0, 0.0), Vec2::new(1.0, 1.0)]
         } else {
@@ -206,6 +290,7 @@ impl QuadricForm {
             uv,
             shape,
             primitive: 0,
+            place: Place::WORLD,
         }
     }
 
@@ -251,6 +336,22 @@ impl QuadricForm {
 }
 
 impl Form {
+    /// What the ray engine sees of it.
+    pub(super) fn geometry(&self) -> Geometry {
+        match self {
+            Self::Mesh(mesh) => TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()).into(),
+            Self::Quadric(q) => Quadric { shape: q.shape, object_to_world: q.to_world }.into(),
+        }
+    }
+
+    /// Number of triangles.
+    pub(super) fn triangles(&self) -> u64 {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len() as u64,
+            Self::Quadric(_) => 0,
+        }
+    }
+
     /// The point that a ray hit.
     #[inline(always)]
     pub fn hit_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {

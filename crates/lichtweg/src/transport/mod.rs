@@ -15,6 +15,7 @@ mod sensor;
 mod vertex;
 mod visibility;
 mod walk;
+mod wave;
 
 pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Workspace};
 pub use explicit::{ExplicitPath, PathStrategy, PathVertex, VertexKind};
@@ -25,3 +26,4 @@ pub use path::{PathTracer, WalkCounts};
 pub use sensor::{Look, Sensor};
 pub use vertex::{Departure, Onward, Others, Scattering, Vertex};
 pub use walk::{Survival, Walk, WalkVisitor};
+pub use wave::Wave;

@@ -25,10 +25,10 @@ use crate::scene::{RayCounts, Scatterer, Scene, SurfacePoint};
 /// Path tracing from the eye.
 #[derive(Clone, Copy, Debug)]
 pub struct PathTracer {
-    light: LightStrategy,
-    heuristic: Heuristic,
+    pub(super) light: LightStrategy,
+    pub(super) heuristic: Heuristic,
     max_depth: u32,
-    roulette: Roulette,
+    pub(super) roulette: Roulette,
     hide_emitters: bool,
 }
 
@@ -50,11 +50,41 @@ impl WalkCounts {
 }
 
 /// The last scattering of a walk, for what it runs into next.
-#[derive(Clone, Copy)]
-struct Departure {
-    position: Vec3,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Departure {
+    pub position: Vec3,
     /// Density per solid angle of the direction taken; `None` where no connection could have taken it.
-    pdf: Option<f32>,
+    pub pdf: Option<f32>,
+}
+
+/// A walk on its way to its next vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk {
+    pub ray: Ray,
+    pub throughput: Spectrum,
+    /// Product of the relative indices of refraction: undoes, for roulette, the scaling of radiance that refraction out
+    /// of the medium will undo anyway.
+    pub eta: f32,
+    pub departure: Departure,
+    pub sampler: Sampler,
+}
+
+/// A light chosen at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Connection {
+    /// From the vertex to the light.
+    pub ray: Ray,
+    /// What it adds to the walk's radiance where nothing is in the way.
+    pub contribution: Spectrum,
+}
+
+/// What a vertex brings.
+pub(super) struct Arrival {
+    /// What the walk adds by having run into a light.
+    pub emitted: Spectrum,
+    pub connection: Option<Connection>,
+    /// Whether the walk goes on.
+    pub goes_on: bool,
 }
 
 /// A point at which a walk scatters.
@@ -65,6 +95,19 @@ struct Vertex<'a> {
     wo: Vec3,
     scatterer: &'a Scatterer<'a>,
     time: f32,
+}
+
+impl Walk {
+    /// A walk along a camera ray.
+    pub fn new(ray: Ray, sampler: Sampler) -> Self {
+        Self {
+            ray,
+            throughput: Spectrum::ONE,
+            eta: 1.0,
+            departure: Departure { position: ray.origin, pdf: None },
+            sampler,
+        }
+    }
 }
 
 impl PathTracer {
@@ -82,68 +125,96 @@ impl PathTracer {
         }
     }
 
+    /// Edges that a path may have.
+    pub(super) fn max_depth(&self) -> u32 {
+        self.max_depth
+    }
+
     /// An estimate of the radiance that arrives along a camera ray of unit direction.
     pub fn radiance(
         &self,
         scene: &Scene,
-        mut ray: Ray,
-        sampler: &mut Sampler,
+        ray: Ray,
+        sampler: Sampler,
         counts: &mut WalkCounts,
         observer: &mut impl PathObserver,
     ) -> Spectrum {
         let mut radiance = Spectrum::ZERO;
-        if self.max_depth == 0 {
-            return radiance;
-        }
-        let mut throughput = Spectrum::ONE;
-        // Product of the relative indices of refraction: undoes, for roulette, the scaling of radiance that refraction out of
-        // the medium will undo anyway.
-        let mut eta = 1.0;
-        let mut departure = Departure { position: ray.origin, pdf: None };
-        for depth in 1.. {
+        let mut walk = Walk::new(ray, sampler);
+        for depth in 1..=self.max_depth {
             counts.edges += 1;
-            let hidden = depth == 1 && self.hide_emitters;
-            let Some(point) = scene.intersect(&ray, &mut counts.rays, || sampler.next_1d()) else {
-                if !hidden {
-                    radiance += throughput * self.escaped(scene, ray.direction, &departure);
-                }
-                break;
-            };
-            let wo = -ray.direction;
-            if !hidden {
-                radiance += throughput * self.emitted(scene, &point, wo, &departure);
+            let point = scene.intersect(&walk.ray, &mut counts.rays, || walk.sampler.next_1d());
+            let arrival = self.arrive(scene, 0, depth, &mut walk, point.as_ref(), observer);
+            radiance += arrival.emitted;
+            if let Some(connection) = arrival.connection {
+                radiance += connection.contribution * scene.transmittance(&connection.ray, &mut counts.rays);
             }
-            if depth >= self.max_depth {
+            if !arrival.goes_on {
                 break;
             }
-            let scatterer = scene.scatterer(&point, wo);
-            observer.scatters(depth, &point, &scatterer, (point.position - departure.position).length());
-            let connects = self.light != LightStrategy::Naive && scatterer.bsdf.connects();
-            if connects {
-                let vertex = Vertex { point: &point, wo, scatterer: &scatterer, time: ray.time };
-                radiance += throughput * self.connected(scene, &vertex, sampler, counts);
-            }
-            let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some(sample) = scatterer.sample(wo, u_lobe, u, Mode::Radiance) else { break };
-            throughput *= sample.weight;
-            if throughput.is_zero() {
-                break;
-            }
-            eta *= sample.eta;
-            let survival = self.roulette.survival_probability(depth, throughput.max_element() * eta * eta);
-            if survival < 1.0 {
-                if sampler.next_1d() >= survival {
-                    break;
-                }
-                throughput *= 1.0 / survival;
-            }
-            departure = Departure {
-                position: point.position,
-                pdf: (connects && !sample.delta).then_some(sample.pdf),
-            };
-            ray = Ray { time: ray.time, ..Ray::new(point.leave(sample.wi), sample.wi) };
         }
         radiance
+    }
+
+    /// What walk number `path` does where its edge number `depth` ends: at a point, or out of the scene. Where it goes on, `walk` is
+    /// on its way to the next vertex.
+    pub(super) fn arrive(
+        &self,
+        scene: &Scene,
+        path: u32,
+        depth: u32,
+        walk: &mut Walk,
+        point: Option<&SurfacePoint>,
+        observer: &mut impl PathObserver,
+    ) -> Arrival {
+        let mut arrival = Arrival { emitted: Spectrum::ZERO, connection: None, goes_on: false };
+        let hidden = depth == 1 && self.hide_emitters;
+        let Some(point) = point else {
+            if !hidden {
+                arrival.emitted = walk.throughput * self.escaped(scene, walk.ray.direction, &walk.departure);
+            }
+            return arrival;
+        };
+        let wo = -walk.ray.direction;
+        if !hidden {
+            arrival.emitted = walk.throughput * self.emitted(scene, point, wo, &walk.departure);
+        }
+        if depth >= self.max_depth {
+            return arrival;
+        }
+        let scatterer = scene.scatterer(point, wo);
+        observer.scatters(
+            path,
+            depth,
+            point,
+            &scatterer,
+            (point.position - walk.departure.position).length(),
+        );
+        let connects = self.light != LightStrategy::Naive && scatterer.bsdf.connects();
+        if connects {
+            let vertex = Vertex { point, wo, scatterer: &scatterer, time: walk.ray.time };
+            arrival.connection = self.connect(scene, &vertex, walk);
+        }
+        let (u_lobe, u) = (walk.sampler.next_1d(), walk.sampler.next_2d());
+        let Some(sample) = scatterer.sample(wo, u_lobe, u, Mode::Radiance) else { return arrival };
+        walk.throughput *= sample.weight;
+        if walk.throughput.is_zero() {
+            return arrival;
+        }
+        walk.eta *= sample.eta;
+        let survival =
+            self.roulette.survival_probability(depth, walk.throughput.max_element() * walk.eta * walk.eta);
+        if survival < 1.0 {
+            if walk.sampler.next_1d() >= survival {
+                return arrival;
+            }
+            walk.throughput *= 1.0 / survival;
+        }
+        walk.departure =
+            Departure { position: point.position, pdf: (connects && !sample.delta).then_some(sample.pdf) };
+        walk.ray = Ray { time: walk.ray.time, ..Ray::new(point.leave(sample.wi), sample.wi) };
+        arrival.goes_on = true;
+        arrival
     }
 
     /// Weight of a light that the walk ran into, given the density with which a connection would have found it.
@@ -181,40 +252,29 @@ impl PathTracer {
         })
     }
 
-    /// Light that reaches the vertex straight from a light chosen for it, scattered towards where the walk came from.
+    /// A light chosen for a vertex, if it can give anything.
     #[inline]
-    fn connected(
-        &self,
-        scene: &Scene,
-        vertex: &Vertex<'_>,
-        sampler: &mut Sampler,
-        counts: &mut WalkCounts,
-    ) -> Spectrum {
+    fn connect(&self, scene: &Scene, vertex: &Vertex<'_>, walk: &mut Walk) -> Option<Connection> {
         let Vertex { point, wo, scatterer, time } = *vertex;
-        let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-        let Some((index, probability, _)) = scene.selection().sample(u_light) else { return Spectrum::ZERO };
-        let Some(sample) = scene.lights()[index as usize].sample(point.position, u, scene) else {
-            return Spectrum::ZERO;
-        };
+        let (u_light, u) = (walk.sampler.next_1d(), walk.sampler.next_2d());
+        let (index, probability, _) = scene.selection().sample(u_light)?;
+        let sample = scene.lights()[index as usize].sample(point.position, u, scene)?;
         let (scattering, pdf_bsdf) = scatterer.eval_pdf(wo, sample.direction, Mode::Radiance);
         if scattering.is_zero() {
-            return Spectrum::ZERO;
-        }
-        let transmittance = scene.transmittance(&shadow_ray(point, &sample, time), &mut counts.rays);
-        if transmittance == 0.0 {
-            return Spectrum::ZERO;
+            return None;
         }
         let pdf = probability * sample.pdf;
         let weight = match self.light {
             LightStrategy::Mis if !sample.delta => mis::weight(self.heuristic, pdf, pdf_bsdf),
             _ => 1.0,
         };
-        scattering * sample.radiance * (transmittance * weight / pdf)
+        let contribution = walk.throughput * (scattering * sample.radiance * (weight / pdf));
+        Some(Connection { ray: shadow_ray(point, &sample, time), contribution })
     }
 }
 
 /// Part of a shadow ray's length left out at its end, where the light itself is.
-const SHADOW_END: f32 = 1e-5;
+pub(super) const SHADOW_END: f32 = 1e-5;
 
 /// The ray from a vertex to a point on a light.
 #[inline]

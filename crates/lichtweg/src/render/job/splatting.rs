@@ -151,10 +151,9 @@ impl Job {
         let mut workspace = Workspace::default();
         let mut splats = TileSplats::default();
         let mut counts = WalkCounts::default();
-        let [x0, y0, width, _] = tile.window;
         for index in samples.clone() {
             for i in 0..tile.pixels.len() {
-                let position = [x0 + i as u32 % width, y0 + i as u32 / width];
+                let position = tile.position(i as u32);
                 let mut sink = SampleSink {
                     size: self.size,
                     scale: self.film_scale,
@@ -185,15 +184,12 @@ impl Job {
                         &mut sink,
                     ),
                 }
-                if sink.radiance.is_valid_radiance() {
-                    tile.pixels[i].add(index, sink.radiance * self.film_scale, weight);
-                } else {
-                    sink.invalid = true;
-                }
-                if sink.invalid {
+                let SampleSink { radiance, invalid, .. } = sink;
+                if invalid {
                     tile.dropped += 1;
                     tile.first_dropped.get_or_insert((position, index));
                 }
+                tile.add(i as u32, index, radiance, self.film_scale, weight);
                 if let Some(sums) = tile.auxiliary.get_mut(i) {
                     look(scene, &ray, &mut sampler, sums);
                 }
@@ -226,15 +222,13 @@ pub(super) struct CameraSample {
 }
 
 impl CameraSample {
-    pub fn new(job: &Job, [x, y]: [u32; 2], index: u32) -> Self {
-        let number = y * job.size[0] + x;
-        let mut sampler = Sampler::new(job.sampler, job.seed, u64::from(number), index);
-        let ([dx, dy], weight) = job.filter.sample(sampler.next_2d());
-        let film = [(x as f32 + 0.5 + dx) / job.size[0] as f32, (y as f32 + 0.5 + dy) / job.size[1] as f32];
-        let (lens, time) = (sampler.next_2d(), sampler.next_1d());
+    pub fn new(job: &Job, position: [u32; 2], index: u32) -> Self {
+        let (ray, sampler, weight) = job.camera_ray(position, index);
+        let [x, y] = position;
         // The walks of one sample of all pixels are one sequence: stratified over the lights together.
+        let number = y * job.size[0] + x;
         let light_sampler = Sampler::new(job.sampler, job.seed ^ LIGHT_SEED, u64::from(index), number);
-        Self { ray: job.camera.ray(film, lens, time), weight, sampler, light_sampler }
+        Self { ray, weight, sampler, light_sampler }
     }
 }
 
@@ -243,6 +237,8 @@ fn look(scene: &Scene, ray: &Ray, sampler: &mut Sampler, sums: &mut AuxiliarySum
     let mut counts = WalkCounts::default();
     if let Some(point) = scene.intersect(ray, &mut counts.rays, || sampler.next_1d()) {
         let scatterer = scene.scatterer(&point, -ray.direction);
-        FirstSurface(sums).scatters(1, &point, &scatterer, (point.position - ray.origin).length());
+        let sums = std::slice::from_mut(sums);
+        let mut observer = FirstSurface { sums, first: 0, per_pixel: 1 };
+        observer.scatters(0, 1, &point, &scatterer, (point.position - ray.origin).length());
     }
 }

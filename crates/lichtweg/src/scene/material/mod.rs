@@ -1,21 +1,23 @@
 //! Materials: from a point on a surface to the [`Bsdf`] there.
 
 mod compile;
+mod diffuse;
 mod scatterer;
 mod tangents;
 
 use lichtweg_ray::math::{Vec2, Vec3};
 
 use super::description::{Diagnostics, MaterialDescription};
-use super::surface::{Form, SurfacePoint};
+use super::surface::SurfacePoint;
 use crate::bsdf::{
-    Bsdf, Diffuse, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric, RoughPlastic,
-    RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
+    Bsdf, Diffuse as DiffuseBsdf, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric,
+    RoughPlastic, RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
 };
 use crate::color::Spectrum;
 use crate::texture::{Input, TextureArena};
 
 use compile::Compiler;
+pub(crate) use diffuse::Diffuse;
 pub use scatterer::Scatterer;
 use tangents::Tangents;
 
@@ -105,6 +107,18 @@ impl MaterialArena {
         self.traits[material as usize].uses_coordinates
     }
 
+    /// How a material reflects that does nothing but reflect diffusely.
+    pub(crate) fn diffuse(&self, material: u32) -> Option<Diffuse> {
+        let of = |id: u32| match self.materials[id as usize] {
+            Material::Diffuse { reflectance } => Some(reflectance),
+            _ => None,
+        };
+        match self.materials[material as usize] {
+            Material::TwoSided { front, back } => Some(Diffuse::new([of(front)?, of(back)?], true)),
+            _ => of(material).map(|reflectance| Diffuse::new([reflectance; 2], false)),
+        }
+    }
+
     fn traits_of(&self, material: &Material) -> Traits {
         let nested = match *material {
             Material::TwoSided { front, back } => {
@@ -148,17 +162,18 @@ impl MaterialArena {
         }
     }
 
-    /// What scatters at a point that is looked at from the direction `wo`.
+    /// What scatters at a point that is looked at from the direction `wo`; `partials` gives the derivatives of the
+    /// position with respect to the surface coordinates.
     #[inline]
     pub fn scatterer<'a>(
         &'a self,
         material: u32,
         point: &SurfacePoint,
         wo: Vec3,
-        form: &Form,
+        partials: impl Fn() -> Option<[Vec3; 2]>,
         textures: &TextureArena,
     ) -> Scatterer<'a> {
-        let mut tangents = Tangents::new(form, point);
+        let mut tangents = Tangents::new(partials);
         let mut normal = point.shading_normal;
         let mut untilted = None;
         let mut mirrored = false;
@@ -241,7 +256,7 @@ impl Material {
     fn bsdf(&self, uv: Vec2, textures: &TextureArena) -> Bsdf<'_> {
         let color = |input: &Input| textures.eval(*input, uv);
         match self {
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: color(reflectance) }),
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(DiffuseBsdf { reflectance: color(reflectance) }),
             Self::Dielectric { eta, roughness, reflectance, transmittance } => {
                 let (eta, specular_reflectance, specular_transmittance) =
                     (*eta, color(reflectance), color(transmittance));

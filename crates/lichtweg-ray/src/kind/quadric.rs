@@ -7,7 +7,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::math::{Affine, Bounds3};
+use super::in_range;
+use crate::accel::BuildError;
+use crate::math::{Affine, Bounds3, Vec3};
 use crate::ray::Ray;
 
 /// A quadric in its own space, about the z axis. Angles in radians; both sides can be hit.
@@ -102,8 +104,7 @@ pub struct Quadric {
 /// A quadric made ready for queries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedQuadric {
-    /// Running number of the primitive.
-    pub id: u32,
+    bounds: Bounds3,
     world_to_object: Affine,
     shape: QuadricShape,
     phi_max: f64,
@@ -135,17 +136,6 @@ impl Quadric {
         }
         out
     }
-
-    pub(crate) fn place(&self, id: u32) -> Option<PlacedQuadric> {
-        let phi_max = self.shape.phi_max();
-        Some(PlacedQuadric {
-            id,
-            world_to_object: self.object_to_world.inverse()?,
-            shape: self.shape,
-            phi_max,
-            full_turn: phi_max >= TAU * (1.0 - 1e-6),
-        })
-    }
 }
 
 /// max of radial * sqrt(1 - z^2) + c z over z in [lo, hi].
@@ -166,7 +156,30 @@ fn along(o: Point, d: Point, t: f64) -> Point {
 }
 
 impl PlacedQuadric {
+    /// Checks a quadric and makes it ready.
+    pub(crate) fn new(geometry: u32, quadric: &Quadric) -> Result<Self, BuildError> {
+        let shape = quadric.shape;
+        if let Some(reason) = shape.fault() {
+            return Err(BuildError::InvalidQuadric { geometry, reason });
+        }
+        let bounds = quadric.bounds();
+        let world_to_object = quadric.object_to_world.inverse().filter(|_| in_range(&bounds));
+        let phi_max = shape.phi_max();
+        Ok(Self {
+            bounds,
+            world_to_object: world_to_object.ok_or(BuildError::SingularTransform { geometry })?,
+            shape,
+            phi_max,
+            full_turn: phi_max >= TAU * (1.0 - 1e-6),
+        })
+    }
+
+    pub(crate) fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
     /// The nearest t with `tnear < t <= tfar`, already rounded to `f32`.
+    #[inline(never)]
     pub(crate) fn intersect(&self, ray: &Ray, tnear: f32, tfar: f32) -> Option<f32> {
         let (o, d) = self.local(ray);
         let roots = match self.shape {
@@ -200,6 +213,19 @@ impl PlacedQuadric {
             }
         };
         (u.clamp(0.0, 1.0) as f32, v.clamp(0.0, 1.0) as f32)
+    }
+
+    /// Outward normal at `t`, of any length: the gradient, mapped by the transposed inverse.
+    pub(crate) fn normal(&self, ray: &Ray, t: f32) -> Vec3 {
+        let (o, d) = self.local(ray);
+        let [x, y, z] = along(o, d, f64::from(t));
+        let n = match self.shape {
+            QuadricShape::Sphere { .. } => [x, y, z],
+            QuadricShape::Disk { .. } => [0.0, 0.0, 1.0],
+            QuadricShape::Cylinder { .. } => [x, y, 0.0],
+        };
+        let m = &self.world_to_object.rows;
+        Vec3::from_array([0, 1, 2].map(|i| (m[0][i] * n[0] + m[1][i] * n[1] + m[2][i] * n[2]) as f32))
     }
 
     fn local(&self, ray: &Ray) -> (Point, Point) {

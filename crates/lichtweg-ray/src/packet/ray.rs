@@ -1,0 +1,215 @@
+//! Sixteen rays made ready for boxes and triangles: what `bvh::slab` and `triangle` do for one.
+
+use crate::build::MAX_COORDINATE;
+use crate::bvh::slab::TINY;
+use crate::math::Vec3;
+use crate::triangle::{SLACK, Shear, TINY_AREA};
+use crate::wide::{Float, Mask, Wide, Word};
+
+use super::RayPacket;
+
+/// The prepared rays.
+pub(super) struct Prepared<W: Wide> {
+    /// Rays that can hit something.
+    pub active: W::Mask,
+    pub tnear: W::F32,
+    pub tfar: W::F32,
+    /// Whether the direction is negative along x, y, z.
+    pub negative: [W::Mask; 3],
+    pub near_scale: [W::F32; 3],
+    pub near_shift: [W::F32; 3],
+    pub far_scale: [W::F32; 3],
+    pub far_shift: [W::F32; 3],
+    /// Whether the shear's z is the world's x, or y.
+    steep: [W::Mask; 2],
+    /// Origin, in the shear's axes.
+    origin: [W::F32; 3],
+    /// (dx/dz, dy/dz, 1/dz).
+    scale: [W::F32; 3],
+    near_z: W::F32,
+    /// |dz|, with some slack.
+    pace: W::F32,
+    /// dz.
+    dz: W::F32,
+}
+
+/// Hits of one triangle by the rays.
+pub(super) struct TriangleHits<W: Wide> {
+    /// Rays that hit it, those in doubt included.
+    pub mask: W::Mask,
+    /// Rays that need the slow test.
+    pub doubtful: W::Mask,
+    pub t: W::F32,
+    pub u: W::F32,
+    pub v: W::F32,
+}
+
+/// `if z is x { a[1], a[2], a[0] } ...`: a vector in the shear's axes.
+#[inline(always)]
+fn permute<W: Wide>([zx, zy]: [W::Mask; 2], [x, y, z]: [W::F32; 3]) -> [W::F32; 3] {
+    [y.select(zx, z.select(zy, x)), z.select(zx, x.select(zy, y)), x.select(zx, y.select(zy, z))]
+}
+
+/// `a`, negated where `b` has its sign bit set.
+#[inline(always)]
+fn xor_sign<W: Wide>(a: W::F32, b: W::F32) -> W::F32 {
+    (a.bits() ^ (b.bits() & W::U32::splat(1 << 31))).as_float()
+}
+
+impl<W: Wide> Prepared<W> {
+    #[inline(always)]
+    pub(super) fn new(rays: &RayPacket, active: u32, reach: f32) -> Self {
+        let splat = W::F32::splat;
+        let load = |v: &[_; 3]| [W::F32::load(&v[0]), W::F32::load(&v[1]), W::F32::load(&v[2])];
+        let (o, d) = (load(&rays.origin), load(&rays.direction));
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let given_near = W::F32::load(&rays.tnear);
+        let given_far = W::F32::load(&rays.tfar);
+        let tnear = given_near.max(zero);
+        let tfar = given_far.min(splat(f32::MAX));
+        let size = [d[0].abs(), d[1].abs(), d[2].abs()];
+        let steepest = size[0].max(size[1]).max(size[2]);
+        let far_out = o[0].abs().max(o[1].abs()).max(o[2].abs());
+        // Comparisons with NaN are false; `max` may drop one, so each component is looked at.
+        let mut sound = W::Mask::from_bits(active);
+        for axis in 0..3 {
+            sound = sound & o[axis].abs().le(splat(MAX_COORDINATE)) & size[axis].le(splat(f32::MAX));
+        }
+        let sound = sound & tnear.lt(tfar) & given_near.le(given_far) & splat(f32::MIN_POSITIVE).le(steepest);
+
+        let zy_over_x = size[0].lt(size[1]);
+        let z_over = size[0].max(size[1]).lt(size[2]);
+        let steep = [!(zy_over_x | z_over), zy_over_x.and_not(z_over)];
+        let [dx, dy, dz] = permute::<W>(steep, d);
+        // The steepest component is never replaced by the smallest allowed.
+        let scale = [dx / dz, dy / dz, one / dz];
+
+        let shallowest = steepest * splat(TINY);
+        let bend = (splat(reach) + far_out) * splat(4.0 * TINY);
+        let mut out = Self {
+            active: sound,
+            tnear,
+            tfar,
+            negative: [sound; 3],
+            near_scale: d,
+            near_shift: d,
+            far_scale: d,
+            far_shift: d,
+            steep,
+            origin: permute::<W>(steep, o),
+            scale,
+            near_z: tnear * dz.abs() * splat(1.0 - SLACK),
+            pace: dz.abs() * splat(1.0 + SLACK),
+            dz,
+        };
+        for axis in 0..3 {
+            let divisor = size[axis].max(shallowest).copysign(d[axis]);
+            let quotient = one / divisor;
+            let margin = o[axis].abs().mul_add(splat(2.0_f32.powi(-22)), bend);
+            let near_scale = quotient * splat(1.0 - 2.0_f32.powi(-21));
+            let far_scale = quotient * splat(1.0 + 2.0_f32.powi(-21));
+            out.negative[axis] = divisor.lt(zero);
+            out.near_scale[axis] = near_scale;
+            out.far_scale[axis] = far_scale;
+            out.near_shift[axis] = o[axis].mul_add(near_scale, (margin * near_scale).abs());
+            out.far_shift[axis] = o[axis].mul_sub(far_scale, (margin * far_scale).abs());
+        }
+        out
+    }
+
+    /// Which rays meet a box before `tfar`, and where they enter it. `planes`: least and largest x, y, z.
+    #[inline(always)]
+    pub(super) fn meet(&self, planes: [f32; 6], tfar: W::F32) -> (W::Mask, W::F32) {
+        let mut enter = self.tnear;
+        let mut leave = tfar;
+        for axis in 0..3 {
+            let (low, high) = (W::F32::splat(planes[2 * axis]), W::F32::splat(planes[2 * axis + 1]));
+            let near = high.select(self.negative[axis], low);
+            let far = low.select(self.negative[axis], high);
+            // `max` and `min` yield their second operand for NaN, which drops the plane's constraint.
+            enter = near.mul_sub(self.near_scale[axis], self.near_shift[axis]).max(enter);
+            leave = far.mul_sub(self.far_scale[axis], self.far_shift[axis]).min(leave);
+        }
+        (enter.le(leave), enter)
+    }
+
+    /// Hits with `tnear < t <= tfar` of a triangle.
+    #[inline(always)]
+    pub(super) fn intersect(&self, corners: [[f32; 3]; 3], active: W::Mask, tfar: W::F32) -> TriangleHits<W> {
+        let [ax, ay, az] = self.sheared(corners[0]);
+        let [bx, by, bz] = self.sheared(corners[1]);
+        let [cx, cy, cz] = self.sheared(corners[2]);
+        let u = cx * by - cy * bx;
+        let v = ax * cy - ay * cx;
+        let w = bx * ay - by * ax;
+        let zero = W::F32::splat(0.0);
+        let least = u.min(v).min(w);
+        let most = u.max(v).max(w);
+        let inside = zero.le(least) | most.le(zero);
+        let nothing = W::Mask::from_bits(0);
+        let candidates = inside & active;
+        let det = u + v + w;
+        let depth = w.mul_add(cz, v.mul_add(bz, u * az));
+        let z = xor_sign::<W>(xor_sign::<W>(depth, det), self.scale[2]);
+        let area = det.abs();
+        let near = candidates.and_not(z.lt(area * self.near_z)).and_not((area * (tfar * self.pace)).lt(z));
+        if !near.any() {
+            return TriangleHits { mask: nothing, doubtful: nothing, t: zero, u: zero, v: zero };
+        }
+        let r = W::F32::splat(1.0) / det;
+        let (u, v, w) = (u * r, v * r, w * r);
+        let t = w.mul_add(cz, v.mul_add(bz, u * az)) * self.scale[2];
+        let definite = (zero.lt(least) | most.lt(zero)) & W::F32::splat(TINY_AREA).le(area);
+        let in_range = self.tnear.lt(t) & t.le(tfar);
+        let doubtful = near.and_not(definite);
+        TriangleHits { mask: in_range & near | doubtful, doubtful, t, u: v, v: w }
+    }
+
+    #[inline(always)]
+    fn sheared(&self, [x, y, z]: [f32; 3]) -> [W::F32; 3] {
+        let splat = W::F32::splat;
+        let [x, y, z] = permute::<W>(self.steep, [splat(x), splat(y), splat(z)]);
+        let [x, y, z] = [x - self.origin[0], y - self.origin[1], z - self.origin[2]];
+        [self.scale[0].neg_mul_add(z, x), self.scale[1].neg_mul_add(z, y), z]
+    }
+
+    /// The shear of one lane, for the slow test.
+    #[inline(always)]
+    pub(super) fn shear(&self, lane: usize) -> Shear {
+        let one =
+            |v: &[W::F32; 3]| [v[0].to_lanes().0[lane], v[1].to_lanes().0[lane], v[2].to_lanes().0[lane]];
+        let axes = match (self.steep[0].bits() >> lane & 1, self.steep[1].bits() >> lane & 1) {
+            (1, _) => [1, 2, 0],
+            (_, 1) => [2, 0, 1],
+            _ => [0, 1, 2],
+        };
+        Shear {
+            axes,
+            origin: one(&self.origin),
+            scale: one(&self.scale),
+            tnear: self.tnear.to_lanes().0[lane],
+            pace: self.dz.to_lanes().0[lane],
+        }
+    }
+}
+
+/// The corners of a triangle of a block, as numbers to spread over the lanes.
+#[inline(always)]
+pub(super) fn corners(block: &crate::bvh::Block, lane: usize) -> [[f32; 3]; 3] {
+    let c = &block.corners;
+    [
+        [c[0][0][lane], c[0][1][lane], c[0][2][lane]],
+        [c[1][0][lane], c[1][1][lane], c[1][2][lane]],
+        [c[2][0][lane], c[2][1][lane], c[2][2][lane]],
+    ]
+}
+
+/// The slow test of one ray against one triangle; see [`crate::triangle`].
+pub(super) fn settle(
+    shear: &Shear,
+    corners: [[f32; 3]; 3],
+    tfar: f32,
+) -> Option<crate::triangle::TriangleHit> {
+    let h = crate::triangle::triangle(shear, corners.map(Vec3::from_array))?;
+    (h.t > shear.tnear && h.t <= tfar).then_some(h)
+}

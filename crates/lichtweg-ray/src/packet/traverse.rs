@@ -1,0 +1,329 @@
+//! How a packet goes through the hierarchy: depth first, children in the order in which the first ray enters them.
+
+use std::mem::MaybeUninit;
+
+use super::ray::{Prepared, corners, settle};
+use super::{HitPacket, RayPacket};
+use crate::accel::Accel;
+use crate::bvh::{Best, ChildRef, MAX_DEPTH, Other, descend, slab};
+use crate::kind::Probe;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Avx2, Avx512};
+use crate::simd::{Isa, Lanes as NarrowLanes, Portable, WIDTH};
+use crate::triangle::WideShear;
+use crate::wide::{self, Float, LANES, Mask, Wide, Word};
+
+/// Where this many rays or fewer want a child, each goes on by itself.
+const FEW: u32 = 3;
+
+const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1 + WIDTH;
+
+/// A child put off until later, the rays that want it, and where they enter it.
+#[derive(Clone, Copy)]
+struct Entry<W: Wide> {
+    enter: W::F32,
+    child: ChildRef,
+    mask: u32,
+    /// Where the first ray enters it.
+    first: f32,
+}
+
+/// The nearest hits so far, and what is found next.
+struct Bests<W: Wide> {
+    t: W::F32,
+    u: W::F32,
+    v: W::F32,
+    id: W::U32,
+}
+
+impl<W: Wide> Bests<W> {
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Best {
+        Best {
+            t: self.t.to_lanes().0[lane],
+            u: self.u.to_lanes().0[lane],
+            v: self.v.to_lanes().0[lane],
+            id: self.id.to_lanes().0[lane],
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, best: &Best) {
+        let only = W::Mask::from_bits(1 << lane);
+        self.t = W::F32::splat(best.t).select(only, self.t);
+        self.u = W::F32::splat(best.u).select(only, self.u);
+        self.v = W::F32::splat(best.v).select(only, self.v);
+        self.id = W::U32::splat(best.id).select(only, self.id);
+    }
+}
+
+/// A walk of a packet through the hierarchy.
+struct Walk<'a, W: Wide, V: NarrowLanes> {
+    accel: &'a Accel,
+    rays: &'a RayPacket,
+    prepared: Prepared<W>,
+    bests: Bests<W>,
+    /// Nearest hits of what is no triangle.
+    others: [Other; LANES],
+    /// Rays that look for any hit and have found one.
+    found: u32,
+    _narrow: std::marker::PhantomData<V>,
+}
+
+impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
+    #[inline(always)]
+    fn new(accel: &'a Accel, rays: &'a RayPacket, active: u32) -> Self {
+        let prepared = Prepared::new(rays, active, accel.bvh.reach);
+        let nothing = W::U32::splat(Best::NOTHING);
+        let zero = W::F32::splat(0.0);
+        let bests = Bests { t: prepared.tfar, u: zero, v: zero, id: nothing };
+        Self {
+            accel,
+            rays,
+            prepared,
+            bests,
+            others: [Other::NONE; LANES],
+            found: 0,
+            _narrow: std::marker::PhantomData,
+        }
+    }
+
+    #[inline(always)]
+    fn run<const ANY: bool>(&mut self) {
+        let mut stack: [MaybeUninit<Entry<W>>; STACK] = [const { MaybeUninit::uninit() }; STACK];
+        let mut top = 0;
+        let mut current = self.accel.bvh.root;
+        let mut mask = self.prepared.active.bits();
+        if mask == 0 {
+            return;
+        }
+        loop {
+            if current.is_leaf() {
+                self.leaf::<ANY>(current, mask);
+            } else if mask.count_ones() <= FEW {
+                self.singles::<ANY>(current, mask);
+            } else {
+                // SAFETY: inner references of the builder are indices of nodes.
+                let node = unsafe { self.accel.bvh.nodes.get_unchecked(current.node()) };
+                let rays = W::Mask::from_bits(mask);
+                let bottom = top;
+                for slot in 0..WIDTH {
+                    let child = node.children[slot];
+                    if child == ChildRef::NOTHING {
+                        continue;
+                    }
+                    let p = &node.planes;
+                    let planes = [p[0][slot], p[1][slot], p[2][slot], p[3][slot], p[4][slot], p[5][slot]];
+                    let (met, enter) = self.prepared.meet(planes, self.bests.t);
+                    let met = met & rays;
+                    if met.any() {
+                        let first = match ANY {
+                            // Large boxes come first in a node: they are the likeliest to stop a ray.
+                            true => slot as f32,
+                            false => enter.select(met, W::F32::splat(f32::INFINITY)).smallest(),
+                        };
+                        let entry = Entry { enter, child, mask: met.bits(), first };
+                        // The farthest lies deepest.
+                        let mut at = top;
+                        // SAFETY: the builder bounds the depth, and each level leaves at most WIDTH - 1
+                        // entries behind; entries below the top were written.
+                        unsafe {
+                            debug_assert!(top < STACK);
+                            while at > bottom && stack[at - 1].assume_init_ref().first < first {
+                                stack[at] = stack[at - 1];
+                                at -= 1;
+                            }
+                        }
+                        stack[at].write(entry);
+                        top += 1;
+                    }
+                }
+            }
+            loop {
+                if top == 0 {
+                    return;
+                }
+                top -= 1;
+                // SAFETY: entries below the top were written.
+                let entry = unsafe { stack[top].assume_init_ref() };
+                mask = entry.mask & if ANY { !self.found } else { entry.enter.le(self.bests.t).bits() };
+                if mask != 0 {
+                    current = entry.child;
+                    break;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn leaf<const ANY: bool>(&mut self, leaf: ChildRef, mask: u32) {
+        let (begin, count) = leaf.leaf();
+        if leaf.is_other() {
+            self.others_leaf::<ANY>(leaf, mask & !self.found);
+            return;
+        }
+        if mask.count_ones() <= FEW {
+            self.singles::<ANY>(leaf, mask);
+            return;
+        }
+        for index in begin..begin + count {
+            // SAFETY: leaf references of the builder are ranges of blocks.
+            let block = unsafe { self.accel.bvh.blocks.get_unchecked(index) };
+            for lane in 0..WIDTH {
+                let id = block.ids[lane];
+                if id == u32::MAX {
+                    break;
+                }
+                let active = W::Mask::from_bits(mask & !self.found);
+                let hits = self.prepared.intersect(corners(block, lane), active, self.bests.t);
+                if !hits.mask.any() {
+                    continue;
+                }
+                let sure = hits.mask.and_not(hits.doubtful);
+                if ANY {
+                    self.found |= sure.bits();
+                } else {
+                    let nearer = sure & (hits.t.lt(self.bests.t) | W::U32::splat(id).lt(self.bests.id));
+                    self.bests.t = hits.t.select(nearer, self.bests.t);
+                    self.bests.u = hits.u.select(nearer, self.bests.u);
+                    self.bests.v = hits.v.select(nearer, self.bests.v);
+                    self.bests.id = W::U32::splat(id).select(nearer, self.bests.id);
+                }
+                if hits.doubtful.any() {
+                    self.doubtful::<ANY>(corners(block, lane), id, hits.doubtful.bits());
+                }
+            }
+            if ANY && mask & !self.found == 0 {
+                return;
+            }
+        }
+    }
+
+    /// The slow test of a triangle for some rays.
+    #[inline(never)]
+    fn doubtful<const ANY: bool>(&mut self, corners: [[f32; 3]; 3], id: u32, mut lanes: u32) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let mut best = self.bests.get(lane);
+            if let Some(hit) = settle(&self.prepared.shear(lane), corners, best.t) {
+                self.found |= u32::from(ANY) << lane;
+                best.consider(hit, id);
+                self.bests.set(lane, &best);
+            }
+        }
+    }
+
+    /// A leaf of primitives that are no triangles.
+    #[inline(always)]
+    fn others_leaf<const ANY: bool>(&mut self, leaf: ChildRef, mut lanes: u32) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let mut best = self.bests.get(lane);
+            let ray = self.rays.get(lane);
+            let probe = Probe { ray: &ray, isa: V::ISA, shear: self.prepared.shear(lane) };
+            if best.meet::<ANY, false>(self.accel, leaf, &probe, None, &mut self.others[lane]) {
+                self.found |= u32::from(ANY) << lane;
+                self.bests.set(lane, &best);
+            }
+        }
+    }
+
+    /// Some rays one by one.
+    #[inline(always)]
+    fn singles<const ANY: bool>(&mut self, child: ChildRef, mask: u32) {
+        let mut lanes = mask & !self.found;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let ray = self.rays.get(lane);
+            let Some((slab, shear, _)) = slab::prepare::<V>(&ray, self.accel.bvh.reach) else { continue };
+            let prepared = (slab, WideShear::<V>::new(&shear));
+            let mut best = self.bests.get(lane);
+            let other = &mut self.others[lane];
+            if descend::<V, ANY, false>(self.accel, &ray, &prepared, None, &mut best, other, child) {
+                self.found |= 1 << lane;
+            } else if !ANY {
+                self.bests.set(lane, &best);
+            }
+        }
+    }
+
+    /// Names what was hit.
+    #[inline(always)]
+    fn finish(&self) -> HitPacket {
+        let mut out = HitPacket {
+            t: self.bests.t.to_lanes(),
+            u: self.bests.u.to_lanes(),
+            v: self.bests.v.to_lanes(),
+            ..HitPacket::default()
+        };
+        let ids = self.bests.id.to_lanes();
+        for lane in 0..LANES {
+            let id = ids.0[lane];
+            if id == Best::NOTHING {
+                continue;
+            }
+            if id == self.others[lane].id() {
+                self.finish_other(lane, &mut out);
+            } else {
+                (out.geometry.0[lane], out.primitive.0[lane]) = self.accel.bvh.numbering.locate(id);
+            }
+        }
+        out
+    }
+
+    #[inline(never)]
+    fn finish_other(&self, lane: usize, out: &mut HitPacket) {
+        if let Some(hit) = self.bests.get(lane).hit(self.accel, &self.rays.get(lane), &self.others[lane]) {
+            out.set(lane, &hit);
+        }
+    }
+}
+
+#[inline(always)]
+fn closest_kernel<W: Wide, V: NarrowLanes>(accel: &Accel, rays: &RayPacket, active: u32) -> HitPacket {
+    let mut walk = Walk::<W, V>::new(accel, rays, active);
+    walk.run::<false>();
+    walk.finish()
+}
+
+#[inline(always)]
+fn occluded_kernel<W: Wide, V: NarrowLanes>(accel: &Accel, rays: &RayPacket, active: u32) -> u32 {
+    let mut walk = Walk::<W, V>::new(accel, rays, active);
+    walk.run::<true>();
+    walk.found
+}
+
+macro_rules! dispatch {
+    ($name:ident $kernel:ident $avx2:ident $avx512:ident $doc:literal -> $output:ty) => {
+        #[doc = $doc]
+        #[inline]
+        pub(crate) fn $name(isa: Isa, accel: &Accel, rays: &RayPacket, active: u32) -> $output {
+            match isa {
+                Isa::Portable => $kernel::<wide::Portable, Portable>(accel, rays, active),
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: values of `Isa` come from detection.
+                Isa::Avx2 => unsafe { $avx2(accel, rays, active) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: as above.
+                Isa::Avx512 => unsafe { $avx512(accel, rays, active) },
+            }
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+        fn $avx2(accel: &Accel, rays: &RayPacket, active: u32) -> $output {
+            $kernel::<wide::Portable, Avx2>(accel, rays, active)
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq")]
+        fn $avx512(accel: &Accel, rays: &RayPacket, active: u32) -> $output {
+            $kernel::<wide::Avx512, Avx512>(accel, rays, active)
+        }
+    };
+}
+dispatch!(closest closest_kernel closest_avx2 closest_avx512 "The nearest hits of the active rays." -> HitPacket);
+dispatch!(occluded occluded_kernel occluded_avx2 occluded_avx512 "The active rays that hit anything." -> u32);

@@ -1,0 +1,279 @@
+//! Sixteen lanes on whatever the machine has: kernels that follow sixteen rays or paths at a time.
+//!
+//! A kernel is written once over [`Wide`], and [`dispatch`] runs it on the best instruction set of the machine: one
+//! 512-bit register a quantity with AVX-512, arrays that the compiler turns into narrower registers elsewhere. Every
+//! operation is exactly rounded and treats NaN alike, so that all instruction sets give the same bits.
+//!
+//! ```
+//! use lichtweg_ray::wide::{self, Float, Kernel, Lanes, Wide};
+//!
+//! struct Hypotenuse(Lanes<f32>, Lanes<f32>);
+//!
+//! impl Kernel for Hypotenuse {
+//!     type Output = Lanes<f32>;
+//!
+//!     #[inline(always)]
+//!     fn run<W: Wide>(self) -> Lanes<f32> {
+//!         let (a, b) = (W::F32::load(&self.0), W::F32::load(&self.1));
+//!         (a * a + b * b).sqrt().to_lanes()
+//!     }
+//! }
+//!
+//! let c = wide::dispatch(Hypotenuse(Lanes([3.0; 16]), Lanes([4.0; 16])));
+//! assert_eq!(c.0, [5.0; 16]);
+//! ```
+//!
+//! All that a kernel calls must be `#[inline(always)]`: what is compiled by itself does not have the instruction set.
+
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+#[cfg(test)]
+mod tests;
+
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+
+use crate::simd::Isa;
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx512::Avx512;
+pub(crate) use portable::Portable;
+
+/// Number of lanes.
+pub const LANES: usize = 16;
+
+/// Sixteen values in memory, aligned like a vector register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(64))]
+pub struct Lanes<T>(pub [T; LANES]);
+
+impl<T: Copy> Lanes<T> {
+    /// The same value in all lanes.
+    #[inline(always)]
+    pub const fn splat(value: T) -> Self {
+        Self([value; LANES])
+    }
+}
+
+impl<T: Copy + Default> Default for Lanes<T> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([T::default(); LANES])
+    }
+}
+
+/// An instruction set, as a kernel sees it: the types of its registers.
+pub trait Wide: Copy + 'static {
+    /// Sixteen `f32`.
+    type F32: Float<Mask = Self::Mask, Bits = Self::U32>;
+    /// Sixteen `u32`.
+    type U32: Word<Mask = Self::Mask, F32 = Self::F32, U64 = Self::U64>;
+    /// Sixteen `u64`.
+    type U64: Long<U32 = Self::U32>;
+    /// Sixteen truth values.
+    type Mask: Mask;
+}
+
+/// Sixteen truth values.
+pub trait Mask:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+    /// From bits: lane i is bit i.
+    fn from_bits(bits: u32) -> Self;
+    /// Lane i as bit i; the upper half is zero.
+    fn bits(self) -> u32;
+    /// Whether any lane is true.
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+    /// This and not the other.
+    #[inline(always)]
+    fn and_not(self, other: Self) -> Self {
+        self & !other
+    }
+}
+
+/// Sixteen `f32`.
+pub trait Float:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// One word a lane.
+    type Bits: Word;
+
+    /// All lanes equal to `x`.
+    fn splat(x: f32) -> Self;
+    /// From memory.
+    fn load(from: &Lanes<f32>) -> Self;
+    /// Sixteen consecutive values from the start of a slice. Panics where there are fewer.
+    fn load_slice(from: &[f32]) -> Self;
+    /// To memory.
+    fn to_lanes(self) -> Lanes<f32>;
+    /// To the first sixteen places of a slice. Panics where there are fewer.
+    fn store_slice(self, to: &mut [f32]);
+    /// a b + c, rounded once.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// a b - c, rounded once.
+    fn mul_sub(self, b: Self, c: Self) -> Self;
+    /// c - a b, rounded once.
+    fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// `if a < b { a } else { b }`: `b` where either is NaN.
+    fn min(self, b: Self) -> Self;
+    /// `if a > b { a } else { b }`: `b` where either is NaN.
+    fn max(self, b: Self) -> Self;
+    /// |a|.
+    fn abs(self) -> Self;
+    /// |a| with the sign of `b`.
+    fn copysign(self, b: Self) -> Self;
+    /// a < b.
+    fn lt(self, b: Self) -> Self::Mask;
+    /// a <= b.
+    fn le(self, b: Self) -> Self::Mask;
+    /// a == b.
+    fn equal(self, b: Self) -> Self::Mask;
+    /// a > b.
+    #[inline(always)]
+    fn gt(self, b: Self) -> Self::Mask {
+        b.lt(self)
+    }
+    /// a >= b.
+    #[inline(always)]
+    fn ge(self, b: Self) -> Self::Mask {
+        b.le(self)
+    }
+    /// This where the mask is true, `other` elsewhere.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// The bits of each lane.
+    fn bits(self) -> Self::Bits;
+    /// Rounded towards zero, as two's complement; lanes beyond 32 bits give any value.
+    fn truncate(self) -> Self::Bits;
+    /// The lanes whose mask is true, moved together to the front; what is behind them is zero.
+    fn compress(self, mask: Self::Mask) -> Self;
+    /// Smallest lane; lanes must not be NaN.
+    fn smallest(self) -> f32;
+    /// Element `index` of a table. Panics where a lane's index is out of range.
+    fn gather(table: &[f32], index: Self::Bits) -> Self;
+    /// Column i holds element i of every lane's row.
+    fn columns(rows: &[&Row; LANES]) -> [Self; LANES];
+    /// The reverse of [`Float::columns`]: row i holds lane i of every column.
+    fn rows(columns: [Self; LANES]) -> [Row; LANES];
+}
+
+/// Sixteen consecutive `f32`: one cache line of a table, to be read by [`Float::columns`].
+pub type Row = Lanes<f32>;
+
+/// Sixteen `u32`.
+pub trait Word:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// One float a lane.
+    type F32: Float;
+    /// Twice as wide.
+    type U64;
+
+    /// All lanes equal to `x`.
+    fn splat(x: u32) -> Self;
+    /// From memory.
+    fn load(from: &Lanes<u32>) -> Self;
+    /// Sixteen consecutive values from the start of a slice. Panics where there are fewer.
+    fn load_slice(from: &[u32]) -> Self;
+    /// To memory.
+    fn to_lanes(self) -> Lanes<u32>;
+    /// To the first sixteen places of a slice. Panics where there are fewer.
+    fn store_slice(self, to: &mut [u32]);
+    /// Shifted left by `N` bits.
+    fn shl<const N: u32>(self) -> Self;
+    /// Shifted right by `N` bits, zeros shifted in.
+    fn shr<const N: u32>(self) -> Self;
+    /// a == b.
+    fn equal(self, b: Self) -> Self::Mask;
+    /// a < b as unsigned numbers.
+    fn lt(self, b: Self) -> Self::Mask;
+    /// This where the mask is true, `other` elsewhere.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// The lanes as bits of floats.
+    fn as_float(self) -> Self::F32;
+    /// The nearest floats; lanes are taken as two's complement.
+    fn to_float(self) -> Self::F32;
+    /// Element `index` of a table. Panics where a lane's index is out of range.
+    fn gather(table: &[u32], index: Self) -> Self;
+    /// Zero-extended.
+    fn widen(self) -> Self::U64;
+    /// See [`Float::compress`].
+    fn compress(self, mask: Self::Mask) -> Self;
+}
+
+/// Sixteen `u64`, for hashing.
+pub trait Long: Copy + BitXor<Output = Self> + BitOr<Output = Self> {
+    /// Half as wide.
+    type U32;
+
+    /// All lanes equal to `x`.
+    fn splat(x: u64) -> Self;
+    /// Sum modulo 2^64.
+    fn wrapping_add(self, b: Self) -> Self;
+    /// Product modulo 2^64.
+    fn wrapping_mul(self, b: Self) -> Self;
+    /// Shifted left by `N` bits.
+    fn shl<const N: u32>(self) -> Self;
+    /// Shifted right by `N` bits, zeros shifted in.
+    fn shr<const N: u32>(self) -> Self;
+    /// The lower 32 bits.
+    fn low(self) -> Self::U32;
+    /// The upper 32 bits.
+    fn high(self) -> Self::U32;
+}
+
+/// A piece of work that is written once and runs on every instruction set.
+pub trait Kernel {
+    /// What it yields.
+    type Output;
+
+    /// Does the work. Must be `#[inline(always)]`.
+    fn run<W: Wide>(self) -> Self::Output;
+}
+
+/// Runs a kernel on the best instruction set of this machine.
+#[inline]
+pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    on(Isa::best(), kernel)
+}
+
+/// Runs a kernel on a given instruction set, which the machine must have.
+#[inline]
+pub(crate) fn on<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
+    match isa {
+        Isa::Portable => kernel.run::<Portable>(),
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: values of `Isa` come from detection.
+        Isa::Avx2 => unsafe { on_avx2(kernel) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        Isa::Avx512 => unsafe { on_avx512(kernel) },
+    }
+}
+
+/// The arrays of the portable set, in registers of 256 bits.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn on_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Portable>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq")]
+fn on_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Avx512>()
+}

@@ -1,0 +1,238 @@
+//! Path tracing, many walks at a time.
+//!
+//! A *wave* of walks goes from vertex to vertex together: all rays of one depth are traced as packets, then all vertices
+//! are dealt with, sixteen neighbours at a time, then all their connections are traced. Vertices on the commonest
+//! surfaces run in registers of sixteen lanes ([`diffuse`]); all others are handed, one by one, to
+//! [`PathTracer::arrive`]. Walks that end leave no gap, since those that go on move together into the next queue
+//! (compare Laine, Karras and Aila, *Megakernels considered harmful*, HPG 2013).
+//!
+//! A walk's arithmetic and random numbers are those of [`PathTracer::radiance`]: both give the same radiance to the bit,
+//! whatever else is in the wave.
+
+mod diffuse;
+mod draws;
+mod queue;
+mod vector;
+
+use lichtweg_montecarlo::{Sampler, SamplerKind};
+use lichtweg_ray::wide::{self, Kernel, LANES, Wide};
+use lichtweg_ray::{HitPacket, Ray, RayPacket};
+
+use super::path::Walk;
+use super::{PathObserver, PathTracer, WalkCounts};
+use crate::color::Spectrum;
+use crate::scene::Scene;
+use queue::{CAPACITY, ConnectionQueue, Paths, WalkLanes, WalkQueue};
+
+/// Walks that go together, and what they bring. Made once a thread and used again.
+#[derive(Debug)]
+pub struct Wave {
+    paths: Paths,
+    walks: WalkQueue,
+    /// Walks on their way to the vertices after these.
+    next: WalkQueue,
+    connections: ConnectionQueue,
+    /// What the camera rays see only from, and only up to.
+    clip: [Vec<f32>; 2],
+    radiance: Vec<Spectrum>,
+}
+
+impl Wave {
+    /// Walks in a wave, at most.
+    pub const CAPACITY: usize = CAPACITY;
+
+    /// An empty wave of walks with random numbers of a kind.
+    pub fn new(kind: SamplerKind) -> Self {
+        Self {
+            paths: Paths::new(kind),
+            walks: WalkQueue::new(),
+            next: WalkQueue::new(),
+            connections: ConnectionQueue::new(),
+            clip: [const { Vec::new() }; 2],
+            radiance: Vec::new(),
+        }
+    }
+
+    /// Forgets all walks and their radiance.
+    pub fn clear(&mut self) {
+        self.walks.clear();
+        self.paths.timed = false;
+        self.clip.iter_mut().for_each(Vec::clear);
+        self.radiance.clear();
+    }
+
+    /// Adds a walk along a camera ray of unit direction; its path has the number of walks that were there before. Panics
+    /// where the wave is full.
+    pub fn push(&mut self, ray: &Ray, sampler: Sampler) {
+        debug_assert_eq!(sampler.kind(), self.paths.kind());
+        let path = self.radiance.len() as u32;
+        let walk = Walk::new(*ray, sampler);
+        self.paths.set(path, &walk);
+        self.walks.push(&walk, path);
+        self.clip[0].push(ray.tnear);
+        self.clip[1].push(ray.tfar);
+        self.radiance.push(Spectrum::ZERO);
+    }
+
+    /// Walks that were added.
+    pub fn len(&self) -> usize {
+        self.radiance.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.radiance.is_empty()
+    }
+
+    /// Of each path, the radiance found by [`PathTracer::follow`].
+    pub fn radiance(&self) -> &[Spectrum] {
+        &self.radiance
+    }
+}
+
+impl PathTracer {
+    /// Follows all walks of a wave to their ends, and adds up their radiance.
+    pub fn follow(
+        &self,
+        scene: &Scene,
+        wave: &mut Wave,
+        counts: &mut WalkCounts,
+        observer: &mut impl PathObserver,
+    ) {
+        wave.paths.timed &= scene.has_instances();
+        wave.walks.keep_order();
+        for depth in 1..=self.max_depth() {
+            if wave.walks.len() == 0 {
+                break;
+            }
+            wide::dispatch(Step { tracer: self, scene, wave, counts, observer, depth });
+            std::mem::swap(&mut wave.walks, &mut wave.next);
+            wave.walks.sort();
+        }
+        wave.walks.clear();
+    }
+}
+
+/// One edge of every walk.
+struct Step<'a, O> {
+    tracer: &'a PathTracer,
+    scene: &'a Scene,
+    wave: &'a mut Wave,
+    counts: &'a mut WalkCounts,
+    observer: &'a mut O,
+    depth: u32,
+}
+
+/// The lanes of a group that starts at `at` among `len`.
+#[inline(always)]
+fn lanes_from(at: usize, len: usize) -> u32 {
+    (1 << (len - at).min(LANES)) - 1
+}
+
+/// The lanes of a mask.
+#[inline(always)]
+fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            lane
+        })
+    })
+}
+
+impl<O: PathObserver> Kernel for Step<'_, O> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(mut self) {
+        self.wave.next.clear();
+        self.wave.connections.clear();
+        let walks = self.wave.walks.len();
+        self.counts.edges += walks as u64;
+        self.counts.rays.closest += walks as u64;
+        let mut rays = RayPacket::default();
+        for at in (0..walks).step_by(LANES) {
+            let lanes = self.wave.walks.lanes::<W>(at);
+            lanes.rays(&self.wave.paths, &mut rays);
+            let active = lanes_from(at, walks);
+            if self.depth == 1 {
+                for lane in lanes_of(active) {
+                    let path = self.wave.walks.path(at + lane);
+                    rays.tnear.0[lane] = self.wave.clip[0][path];
+                    rays.tfar.0[lane] = self.wave.clip[1][path];
+                }
+            }
+            let hits = self.scene.accel().closest_packet(&rays, active);
+            self.vertices::<W>(lanes, at, active, &rays, &hits);
+        }
+        self.connect::<W>();
+    }
+}
+
+impl<O: PathObserver> Step<'_, O> {
+    /// What sixteen walks do at their vertices.
+    #[inline(always)]
+    fn vertices<W: Wide>(
+        &mut self,
+        walks: WalkLanes<W>,
+        at: usize,
+        active: u32,
+        rays: &RayPacket,
+        hits: &HitPacket,
+    ) {
+        let fast = if self.observer.watches(self.depth) {
+            0
+        } else {
+            self.diffuse_vertices::<W>(walks, active, hits)
+        };
+        for lane in lanes_of(active & !fast) {
+            self.vertex(at + lane, &rays.get(lane), hits, lane);
+        }
+    }
+
+    /// What one walk does at its vertex.
+    fn vertex(&mut self, at: usize, ray: &Ray, hits: &HitPacket, lane: usize) {
+        let Self { tracer, scene, wave, counts, observer, depth } = self;
+        let (mut walk, path) = wave.walks.get(at, &wave.paths);
+        walk.ray = *ray;
+        let point = hits
+            .get(lane)
+            .and_then(|hit| scene.point(ray, &hit, &mut counts.rays, || walk.sampler.next_1d()));
+        let arrival = tracer.arrive(scene, path, *depth, &mut walk, point.as_ref(), *observer);
+        wave.radiance[path as usize] += arrival.emitted;
+        if let Some(connection) = arrival.connection {
+            wave.connections.push(&connection, path);
+        }
+        if arrival.goes_on {
+            wave.paths.eta[path as usize] = walk.eta;
+            wave.next.push(&walk, path);
+        }
+    }
+
+    /// Adds what nothing is in the way of.
+    #[inline(always)]
+    fn connect<W: Wide>(&mut self) {
+        let Self { scene, wave, counts, .. } = self;
+        let count = wave.connections.len();
+        let mut rays = RayPacket::default();
+        for at in (0..count).step_by(LANES) {
+            wave.connections.rays::<W>(at, &wave.paths, &mut rays);
+            let active = lanes_from(at, count);
+            if scene.has_holes() {
+                for lane in lanes_of(active) {
+                    let transmittance = scene.transmittance(&rays.get(lane), &mut counts.rays);
+                    let (contribution, path) = wave.connections.contribution(at + lane);
+                    wave.radiance[path] += contribution * transmittance;
+                }
+                continue;
+            }
+            counts.rays.occlusion += u64::from(active.count_ones());
+            let occluded = scene.accel().occluded_packet(&rays, active);
+            for lane in lanes_of(active & !occluded) {
+                let (contribution, path) = wave.connections.contribution(at + lane);
+                wave.radiance[path] += contribution;
+            }
+        }
+    }
+}
