@@ -8,14 +8,17 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use lichtweg_io::builtin::PREFIX;
 
+use crate::bake::BakeArgs;
 use crate::completions::CompletionsArgs;
 use crate::failure::Failure;
 use crate::info::InfoArgs;
 use crate::man::ManArgs;
+use crate::path::PathArgs;
+use crate::pyramid::PyramidArgs;
 use crate::radiosity::RadiosityArgs;
 use crate::render::RenderArgs;
 use crate::solve::SolveArgs;
-use crate::{completions, info, man, radiosity, render, scenes, solve};
+use crate::{bake, completions, info, man, path, pyramid, radiosity, render, scenes, solve};
 
 const ABOUT: &str = "Lichtweg, a Monte Carlo light transport system";
 
@@ -30,6 +33,9 @@ Examples:
   lichtweg                              render the built-in Cornell box
   lichtweg render scene.xml --spp 256   render a scene to scene.exr and scene.png
   lichtweg render scene.pbrt --time 60  render for a minute
+  lichtweg pyramid scene.xml -o dir     the image of every strategy of bidirectional path tracing
+  lichtweg path scene.xml --pixel 9,9   the paths of a sample, with all their factors
+  lichtweg bake scene.xml -o dir        irradiance maps of all shapes
   lichtweg info scene.xml               what is in a scene, what is not supported
   lichtweg scenes                       the scenes that are built in
   lichtweg solve A.mtx -b b.mtx -u 17   an unknown of a linear system, by random walks
@@ -51,6 +57,9 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<RenderArgs>),
+    Pyramid(Box<PyramidArgs>),
+    Path(Box<PathArgs>),
+    Bake(Box<BakeArgs>),
     Info(InfoArgs),
     Solve(Box<SolveArgs>),
     Radiosity(Box<RadiosityArgs>),
@@ -70,6 +79,9 @@ pub fn run() -> ExitCode {
     let result = match parse().command {
         None => render::run(&RenderArgs::defaults()),
         Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Pyramid(args)) => pyramid::run(&args),
+        Some(Command::Path(args)) => path::run(&args),
+        Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Info(args)) => info::run(&args),
         Some(Command::Solve(args)) => solve::run(&args),
         Some(Command::Radiosity(args)) => radiosity::run(&args),

@@ -3,6 +3,7 @@
 //! Exit codes: 0 all went well (a render that Ctrl-C ended early is saved, and counts as well); 1 the scene, a file or
 //! the machine stood in the way; 2 the command was not understood; 130 left at once at the second Ctrl-C.
 
+mod bake;
 mod cli;
 mod completions;
 mod console;
@@ -15,11 +16,14 @@ mod memory;
 mod options;
 mod output;
 mod overrides;
+mod path;
 mod progress;
+mod pyramid;
 mod radiosity;
 mod record;
 mod render;
 mod scenes;
+mod setup;
 mod solve;
 mod text;
 

@@ -30,6 +30,7 @@ Examples:
   lichtweg render scene.xml --time 60 -o a.exr -o a.png --exposure 1
   lichtweg render scene.pbrt --size 640x360 --spp 256 --max-depth 9 --filter box
   lichtweg render scene.xml --integrator path:light=nee,rr_depth=off --layers all
+  lichtweg render scene.xml --integrator bdpt --max-depth 6
   lichtweg render scene.xml --crop 100,50,64,64 --stats stats.json
 
 Ctrl-C ends a render after the pass it is in, with an image of the samples so far (exit code 0); a second Ctrl-C \
@@ -64,7 +65,7 @@ pub struct RenderArgs {
     crop: Option<[u32; 4]>,
 
     /// Estimator, with settings that differ from the scene's: path:light=naive|nee|mis, heuristic=balance|power,
-    /// rr_depth=N|off, hide_emitters=true|false
+    /// rr_depth=N|off, hide_emitters=true|false; bdpt with the last three; light with the last
     #[arg(long, value_name = "NAME[:KEY=VALUE,...]", value_parser = options::parse_integrator)]
     integrator: Option<IntegratorChoice>,
 
@@ -114,7 +115,7 @@ pub struct RenderArgs {
 
 /// `--max-depth`: `None` is no limit. (An own type, as clap takes an option in an option for an optional value.)
 #[derive(Clone, Copy, Debug)]
-struct MaxDepth(Option<u32>);
+pub struct MaxDepth(pub Option<u32>);
 
 impl std::str::FromStr for MaxDepth {
     type Err = String;
@@ -125,7 +126,7 @@ impl std::str::FromStr for MaxDepth {
 }
 
 /// Stack of a thread: readers recurse over what is nested in files.
-const STACK_BYTES: usize = 16 << 20;
+pub const STACK_BYTES: usize = 16 << 20;
 
 /// Renders.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {

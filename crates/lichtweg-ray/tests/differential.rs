@@ -5,7 +5,9 @@ mod support;
 use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Motion, Vec3};
-use lichtweg_ray::{Accel, BuildQuality, Hit, MovingMesh, Placement, Quadric, QuadricShape, Ray, TriangleMesh};
+use lichtweg_ray::{
+    Accel, BuildQuality, Hit, MovingMesh, Placement, Quadric, QuadricShape, Ray, TriangleMesh,
+};
 use proptest::prelude::*;
 use support::{Balls, OneByOne, Source, build};
 

@@ -42,7 +42,7 @@ fn render_with_threads(threads: usize, description: &Description) -> Rendering {
 #[test]
 fn threads_do_not_matter() {
     for kind in [SamplerKind::Independent, SamplerKind::Sobol] {
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::ALL.into_iter().chain(Estimator::ADJOINT) {
             let mut d = description();
             d.sampler.kind = kind;
             estimator.choose(&mut d);
@@ -62,8 +62,15 @@ fn threads_do_not_matter() {
 /// A render that a time limit ends is the render of as many samples, wherever its passes were cut.
 #[test]
 fn passes_do_not_matter() {
-    for milliseconds in [1, 40, 150] {
+    for (milliseconds, estimator) in [
+        (1, Estimator::MisPower),
+        (40, Estimator::MisPower),
+        (150, Estimator::MisPower),
+        (40, Estimator::Light),
+        (150, Estimator::BidirectionalPower),
+    ] {
         let mut d = description();
+        estimator.choose(&mut d);
         d.sampler.samples_per_pixel = 1 << 20;
         let scene = compile_scene(&d);
         let limit = Some(Duration::from_millis(milliseconds));
@@ -71,7 +78,10 @@ fn passes_do_not_matter() {
         let job = Job::compile(&d, LayerSelection::default(), limit, &mut diagnostics).expect("compiles");
         let limited = job.render(&scene, &Progress::default()).expect("not stopped");
         d.sampler.samples_per_pixel = limited.statistics.samples_per_pixel;
-        assert!(limited.image == render_scene(&scene, &d), "limit of {milliseconds} ms differs");
+        assert!(
+            limited.image == render_scene(&scene, &d),
+            "{estimator:?}: limit of {milliseconds} ms differs"
+        );
     }
 }
 

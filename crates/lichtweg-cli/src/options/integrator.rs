@@ -1,16 +1,28 @@
 //! `--integrator NAME[:key=value,...]`.
 
-use lichtweg::scene::description::{Heuristic, IntegratorDescription, LightStrategy};
+use lichtweg::scene::description::{EstimatorKind, Heuristic, IntegratorDescription, LightStrategy};
 
 use super::listed;
 
-const NAMES: [&str; 1] = ["path"];
-
-const KEYS: &str = "light=naive|nee|mis, heuristic=balance|power, rr_depth=N|off, hide_emitters=true|false";
+/// Names, what they stand for, and the settings each takes.
+const ESTIMATORS: [(&str, EstimatorKind, &str); 3] = [
+    (
+        "path",
+        EstimatorKind::Path,
+        "light=naive|nee|mis, heuristic=balance|power, rr_depth=N|off, hide_emitters=true|false",
+    ),
+    ("light", EstimatorKind::Light, "hide_emitters=true|false"),
+    (
+        "bdpt",
+        EstimatorKind::Bidirectional,
+        "heuristic=balance|power, rr_depth=N|off, hide_emitters=true|false",
+    ),
+];
 
 /// What the user wants of the estimator; what is `None` stays as the scene has it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntegratorChoice {
+    estimator: Option<EstimatorKind>,
     light: Option<LightStrategy>,
     heuristic: Option<Heuristic>,
     rr_depth: Option<Option<u32>>,
@@ -20,6 +32,7 @@ pub struct IntegratorChoice {
 impl IntegratorChoice {
     /// Replaces the chosen settings.
     pub fn apply(&self, integrator: &mut IntegratorDescription) {
+        integrator.estimator = self.estimator.unwrap_or(integrator.estimator);
         integrator.light = self.light.unwrap_or(integrator.light);
         integrator.heuristic = self.heuristic.unwrap_or(integrator.heuristic);
         integrator.roulette.start_depth = self.rr_depth.unwrap_or(integrator.roulette.start_depth);
@@ -30,15 +43,19 @@ impl IntegratorChoice {
 /// An estimator by its name, with settings to change.
 pub fn parse_integrator(text: &str) -> Result<IntegratorChoice, String> {
     let (name, settings) = text.split_once(':').unwrap_or((text, ""));
-    if !NAMES.contains(&name) {
-        return Err(format!("no such integrator; there is {}, with {KEYS}", listed(&NAMES)));
-    }
-    let mut choice = IntegratorChoice::default();
+    let Some(&(_, estimator, keys)) = ESTIMATORS.iter().find(|(known, ..)| *known == name) else {
+        return Err(format!("no such integrator; there are {}", listed(&ESTIMATORS.map(|(name, ..)| name))));
+    };
+    let mut choice = IntegratorChoice { estimator: Some(estimator), ..Default::default() };
     for setting in settings.split(',').filter(|s| !s.trim().is_empty()) {
         let (key, value) = setting
             .split_once('=')
-            .ok_or_else(|| format!("expected key=value, got \"{setting}\"; {name} takes {KEYS}"))?;
-        set(&mut choice, key.trim(), value.trim())?;
+            .ok_or_else(|| format!("expected key=value, got \"{setting}\"; {name} takes {keys}"))?;
+        let key = key.trim();
+        if !keys.split(", ").any(|known| known.split('=').next() == Some(key)) {
+            return Err(format!("{name} has no setting \"{key}\"; it takes {keys}"));
+        }
+        set(&mut choice, key, value.trim())?;
     }
     Ok(choice)
 }
@@ -71,11 +88,10 @@ fn set(choice: &mut IntegratorChoice, key: &str, value: &str) -> Result<(), Stri
                 }
             });
         }
-        "hide_emitters" => {
+        _ => {
             choice.hide_emitters =
                 Some(value.parse().map_err(|_| format!("hide_emitters={value}: expected true or false"))?);
         }
-        _ => return Err(format!("path has no setting \"{key}\"; it takes {KEYS}")),
     }
     Ok(())
 }
@@ -92,10 +108,18 @@ pub fn describe_integrator(integrator: &IntegratorDescription) -> String {
         Heuristic::Power => "power",
     };
     let rr_depth = integrator.roulette.start_depth.map_or("off".to_owned(), |d| d.to_string());
-    format!(
-        "path:light={light},heuristic={heuristic},rr_depth={rr_depth},hide_emitters={}",
-        integrator.hide_emitters
-    )
+    let hide_emitters = integrator.hide_emitters;
+    match integrator.estimator {
+        EstimatorKind::Path => {
+            format!(
+                "path:light={light},heuristic={heuristic},rr_depth={rr_depth},hide_emitters={hide_emitters}"
+            )
+        }
+        EstimatorKind::Light => format!("light:hide_emitters={hide_emitters}"),
+        EstimatorKind::Bidirectional => {
+            format!("bdpt:heuristic={heuristic},rr_depth={rr_depth},hide_emitters={hide_emitters}")
+        }
+    }
 }
 
 #[cfg(test)]
@@ -113,13 +137,18 @@ mod tests {
         let mut again = IntegratorDescription::default();
         parse_integrator(&describe_integrator(&integrator)).unwrap().apply(&mut again);
         assert_eq!(describe_integrator(&again), describe_integrator(&integrator));
-        assert_eq!(parse_integrator("path"), Ok(IntegratorChoice::default()));
+        for text in ["light:hide_emitters=true", "bdpt:heuristic=balance,rr_depth=3,hide_emitters=false"] {
+            parse_integrator(text).unwrap().apply(&mut again);
+            assert_eq!(describe_integrator(&again), text);
+        }
     }
 
     #[test]
     fn errors_list_what_there_is() {
         for (wrong, listed) in [
-            ("photon", "there is path"),
+            ("photon", "there are path, light and bdpt"),
+            ("bdpt:light=nee", "heuristic=balance|power"),
+            ("light:rr_depth=3", "hide_emitters"),
             ("path:depth=3", "rr_depth=N|off"),
             ("path:light", "key=value"),
             ("path:light=all", "naive, nee or mis"),

@@ -5,4 +5,4 @@
 
 mod perspective;
 
-pub use perspective::Camera;
+pub use perspective::{Camera, View};

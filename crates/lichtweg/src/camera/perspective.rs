@@ -16,8 +16,8 @@ use crate::scene::on_shutter_clock;
 /// A perspective camera.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    view: View,
-    /// In place of `view`, over times from the opening of the shutter, 0, to its closing, 1.
+    pose: Pose,
+    /// In place of `pose`, over times from the opening of the shutter, 0, to its closing, 1.
     motion: Option<Arc<Motion>>,
     /// Camera-space x and y at depth 1 of the film's top left corner, and their growth over the film.
     corner: [f32; 2],
@@ -32,17 +32,29 @@ pub struct Camera {
 
 /// Where a camera is.
 #[derive(Clone, Copy, Debug)]
-struct View {
+struct Pose {
     origin: Vec3,
     /// Camera axes in the world: left, up, forward.
     axes: [Vec3; 3],
 }
 
-impl View {
+impl Pose {
     fn new(to_world: &Affine) -> Self {
         let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| to_world.vector(a).normalized());
         Self { origin: to_world.point(Vec3::ZERO), axes }
     }
+}
+
+/// How the camera sees in a direction from a point on its lens.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Film coordinates, in [0, 1]^2 where they are on the film.
+    pub film: [f32; 2],
+    /// |d film / d solid angle|: the density per solid angle of directions whose film points are even over the film. As every
+    /// film point has weight one, it is the importance We cos, too.
+    pub film_per_solid_angle: f32,
+    /// Cosine to the axis.
+    pub cos: f32,
 }
 
 impl Camera {
@@ -83,7 +95,7 @@ impl Camera {
         // The film's x runs to the right, the camera's to the left; the film's y runs down, the camera's up.
         let extent = [-(right - left), -(top - bottom)];
         Some(Self {
-            view: View::new(&to_world),
+            pose: Pose::new(&to_world),
             motion,
             corner: [-left - shift_x * extent[0], top - shift_y * extent[1]],
             extent,
@@ -95,9 +107,9 @@ impl Camera {
         })
     }
 
-    /// The same camera for a scene in which nothing moves: the time of all rays is 0.
+    /// The same camera for a scene in which nothing moves: unless the camera does, the time of all rays is 0.
     pub fn for_still_scene(self) -> Self {
-        Self { tells_time: false, ..self }
+        Self { tells_time: self.motion.is_some(), ..self }
     }
 
     /// The ray through a film point, a lens point and a time, each from uniform numbers. Its direction has unit length; its
@@ -114,13 +126,86 @@ impl Camera {
             direction = Vec3::new(focus.x - lx, focus.y - ly, focus.z);
         }
         let direction = direction.normalized();
-        let view = self.motion.as_ref().map_or(self.view, |motion| View::new(&motion.at(time)));
-        let [left, up, forward] = view.axes;
-        let per_depth = 1.0 / direction.z;
-        let origin = view.origin + left * lx + up * ly;
+        let pose = self.pose(time);
+        let [left, up, forward] = pose.axes;
+        let [tnear, tfar] = self.clip(direction.z);
+        let origin = pose.origin + left * lx + up * ly;
         let direction = left * direction.x + up * direction.y + forward * direction.z;
         let time = if self.tells_time { time } else { 0.0 };
-        Ray::new(origin, direction).between(self.near * per_depth, self.far * per_depth).at_time(time)
+        Ray::new(origin, direction).between(tnear, tfar).at_time(time)
+    }
+
+    #[inline]
+    fn pose(&self, time: f32) -> Pose {
+        self.motion.as_ref().map_or(self.pose, |motion| Pose::new(&motion.at(time)))
+    }
+
+    /// The camera as it stands at a time, at which it is to be asked for all that follows.
+    pub fn at(&self, time: f32) -> Self {
+        Self { pose: self.pose(time), motion: None, ..self.clone() }
+    }
+
+    /// Distances between which the camera sees, in a direction whose cosine to the axis is given.
+    #[inline]
+    pub fn clip(&self, cos: f32) -> [f32; 2] {
+        let per_depth = 1.0 / cos;
+        [self.near * per_depth, self.far * per_depth]
+    }
+
+    /// A point on the lens, in the world.
+    #[inline]
+    pub fn lens_point(&self, u: [f32; 2]) -> Vec3 {
+        if self.aperture_radius == 0.0 {
+            return self.pose.origin;
+        }
+        let [x, y] = warp::uniform_disk(u).map(|c| c * self.aperture_radius);
+        self.pose.origin + self.pose.axes[0] * x + self.pose.axes[1] * y
+    }
+
+    /// Density per area of points on the lens; `None` for a pinhole, which light cannot hit.
+    #[inline]
+    pub fn lens_pdf(&self) -> Option<f32> {
+        let area = self.aperture_radius * self.aperture_radius;
+        (area > 0.0).then(|| warp::UNIFORM_DISK_PDF / area)
+    }
+
+    /// Unit vector the camera looks along.
+    #[inline]
+    pub fn forward(&self) -> Vec3 {
+        self.pose.axes[2]
+    }
+
+    /// Where and how strongly the camera sees in a unit direction from a point on its lens; `None` behind it.
+    #[inline]
+    pub fn view(&self, lens_point: Vec3, direction: Vec3) -> Option<View> {
+        let [left, up, forward] = self.pose.axes;
+        let cos = direction.dot(forward);
+        if cos <= 0.0 {
+            return None;
+        }
+        // In camera space, at depth 1 from the pinhole: where the plane in focus is met, scaled back.
+        let (mut x, mut y) = (direction.dot(left) / cos, direction.dot(up) / cos);
+        if self.aperture_radius > 0.0 {
+            let offset = lens_point - self.pose.origin;
+            x += offset.dot(left) / self.focus_distance;
+            y += offset.dot(up) / self.focus_distance;
+        }
+        let film = [(x - self.corner[0]) / self.extent[0], (y - self.corner[1]) / self.extent[1]];
+        // An area on the plane at depth 1 is seen under that area times cos^3, from any point of the lens.
+        let film_area = (self.extent[0] * self.extent[1]).abs();
+        Some(View { film, film_per_solid_angle: 1.0 / (film_area * cos * cos * cos), cos })
+    }
+
+    /// Where a half line meets the lens, from before it.
+    pub fn hit_lens(&self, ray: &Ray) -> Option<Vec3> {
+        let approach = ray.direction.dot(self.pose.axes[2]);
+        let t = (self.pose.origin - ray.origin).dot(self.pose.axes[2]) / approach;
+        if !(approach < 0.0 && t > 0.0) {
+            return None;
+        }
+        let point = ray.at(t);
+        let radius_squared = self.aperture_radius * self.aperture_radius;
+        ((point - self.pose.origin).length_squared() < radius_squared).then_some(point)
     }
 }
 
@@ -181,6 +266,37 @@ mod tests {
             ray.at(3.0 / ray.direction.z)
         };
         assert!((at_focus([0.1, 0.9]) - at_focus([0.8, 0.3])).length() < 1e-5);
+    }
+
+    /// A view undoes a ray, and its density is the determinant of the map from directions to the film.
+    #[test]
+    fn views_are_rays_backwards() {
+        let skewed = lichtweg_ray::math::Affine::look_at([1.0, 2.0, 3.0], [-1.0, 0.5, 2.0], [0.1, 1.0, 0.0]);
+        for aperture_radius in [0.0, 0.3] {
+            let camera = camera(&CameraDescription {
+                to_world: skewed.unwrap(),
+                aperture_radius,
+                focus_distance: 2.5,
+                ..Default::default()
+            });
+            for (film, lens) in [([0.2, 0.7], [0.1, 0.9]), ([0.9, 0.1], [0.8, 0.3])] {
+                let ray = camera.ray(film, lens, 0.0);
+                assert!((camera.lens_point(lens) - ray.origin).length() < 1e-6);
+                let view = camera.view(ray.origin, ray.direction).unwrap();
+                assert!((view.film[0] - film[0]).abs() < 1e-4 && (view.film[1] - film[1]).abs() < 1e-4);
+                const H: f32 = 1e-2;
+                let moved = |dx, dy| camera.ray([film[0] + dx, film[1] + dy], lens, 0.0).direction;
+                let [along_x, along_y] = [moved(H, 0.0) - moved(-H, 0.0), moved(0.0, H) - moved(0.0, -H)];
+                let solid_angle = along_x.cross(along_y).length() / (4.0 * H * H);
+                assert!((solid_angle * view.film_per_solid_angle - 1.0).abs() < 1e-3);
+                assert!(camera.view(ray.origin, -ray.direction).is_none());
+                let back = Ray::new(ray.at(2.0), -ray.direction);
+                let hit = camera.hit_lens(&back);
+                assert_eq!(hit.is_some(), aperture_radius > 0.0);
+                assert!(hit.is_none_or(|p| (p - ray.origin).length() < 1e-5));
+                assert!(camera.hit_lens(&ray).is_none());
+            }
+        }
     }
 
     #[test]

@@ -22,7 +22,7 @@ enum Axis {
     /// Linear to zero at the radius.
     Tent { radius: f32 },
     /// Anything else, as strips over [-radius, radius] on which it is taken as constant.
-    Tabulated { radius: f32, strips: Discrete, signs: Vec<bool>, weight: f32 },
+    Tabulated { radius: f32, strips: Discrete, signs: Vec<bool>, weight: f32, values: Vec<f32> },
 }
 
 /// Strips of a tabulated filter: the error this makes in a pixel's value is far below what 10^6 samples resolve.
@@ -41,6 +41,42 @@ impl Filter {
         let (x, wx) = self.axes[0].sample(u[0]);
         let (y, wy) = self.axes[1].sample(u[1]);
         ([x, y], wx * wy)
+    }
+
+    /// Half its extent in pixels, in x and in y.
+    pub fn radius(&self) -> [f32; 2] {
+        [self.axes[0].radius(), self.axes[1].radius()]
+    }
+
+    /// Its value at offsets from the pixel's centre along an axis (0: x, 1: y), normalised: the product over both axes
+    /// integrates to one.
+    #[inline]
+    pub fn along(&self, axis: usize, offset: f32) -> f32 {
+        self.axes[axis].value(offset)
+    }
+
+    /// Calls `f` with every pixel of a window (x, y, width, height) that responds to a place on the film: its number, row by row,
+    /// and the filter's value there.
+    #[inline]
+    pub fn cover(&self, place: [f32; 2], window: [u32; 4], mut f: impl FnMut(usize, f32)) {
+        let [x0, y0, width, height] = window;
+        for row in self.covered(1, place[1], y0, height) {
+            let along_y = self.along(1, place[1] - (y0 + row) as f32 - 0.5);
+            for column in self.covered(0, place[0], x0, width) {
+                let weight = along_y * self.along(0, place[0] - (x0 + column) as f32 - 0.5);
+                f((row * width + column) as usize, weight);
+            }
+        }
+    }
+
+    /// The pixels along an axis, from `start` on, whose filters may cover a place.
+    #[inline]
+    fn covered(&self, axis: usize, place: f32, start: u32, size: u32) -> std::ops::Range<u32> {
+        let (start, size, radius) = (start as f32, size as f32, self.axes[axis].radius());
+        // Pixel i has its centre at i + 1/2. Casts take NaN to 0.
+        let first = (place - radius - start - 0.5).max(0.0).floor().min(size);
+        let last = (place + radius - start - 0.5).floor() + 1.0;
+        first as u32..last.clamp(first, size) as u32
     }
 }
 
@@ -63,7 +99,9 @@ impl Axis {
                 let strips = Discrete::new(&magnitudes).ok()?;
                 let weight = (magnitudes.iter().sum::<f64>() / integral) as f32;
                 let signs = values.iter().map(|&v| v < 0.0).collect();
-                (integral > 0.0).then_some(Self::Tabulated { radius, strips, signs, weight })
+                let per_pixel = STRIPS as f64 / (2.0 * f64::from(radius) * integral);
+                let values = values.iter().map(|v| (v * per_pixel) as f32).collect();
+                (integral > 0.0).then_some(Self::Tabulated { radius, strips, signs, weight, values })
             }
         }
     }
@@ -73,10 +111,36 @@ impl Axis {
         match self {
             Self::Box { radius } => ((2.0 * u - 1.0) * radius, 1.0),
             Self::Tent { radius } => (lichtweg_montecarlo::warp::tent(u, *radius), 1.0),
-            Self::Tabulated { radius, strips, signs, weight } => {
+            Self::Tabulated { radius, strips, signs, weight, .. } => {
                 let pick = strips.sample(u);
                 let x = (pick.index as f32 + pick.remapped) * (2.0 / STRIPS as f32) - 1.0;
                 (x * radius, if signs[pick.index] { -weight } else { *weight })
+            }
+        }
+    }
+
+    fn radius(&self) -> f32 {
+        match self {
+            Self::Box { radius } | Self::Tent { radius } | Self::Tabulated { radius, .. } => *radius,
+        }
+    }
+
+    /// Value at an offset, integrating to one.
+    #[inline]
+    fn value(&self, x: f32) -> f32 {
+        match self {
+            // Half open, so that a point belongs to one pixel where the filter is one pixel wide.
+            Self::Box { radius } => {
+                if x >= -radius && x < *radius {
+                    0.5 / radius
+                } else {
+                    0.0
+                }
+            }
+            Self::Tent { radius } => lichtweg_montecarlo::warp::tent_pdf(x, *radius),
+            Self::Tabulated { radius, values, .. } => {
+                let strip = ((x / radius + 1.0) * (0.5 * STRIPS as f32)).floor();
+                if strip >= 0.0 { values.get(strip as usize).copied().unwrap_or(0.0) } else { 0.0 }
             }
         }
     }
@@ -157,6 +221,36 @@ mod tests {
                 (squares.mean() - second).abs() < 4.5 * squares.standard_error() + 1e-5,
                 "{description:?}"
             );
+        }
+    }
+
+    /// The values are those of the density that offsets are drawn by, times the weights: their histograms agree within 5
+    /// standard errors in each of 40 cells a filter (false alarms below 2e-4).
+    #[test]
+    fn values_are_densities_times_weights() {
+        const CELLS: usize = 40;
+        const SAMPLES: u32 = 200_000;
+        for description in all() {
+            let filter = Filter::new(&description).unwrap();
+            let radius = filter.radius()[0];
+            let mut cells = vec![Moments::default(); CELLS];
+            for i in 0..SAMPLES {
+                let u = Sampler::new(SamplerKind::Independent, 4, 5, i).next_1d();
+                let (x, w) = filter.axes[0].sample(u);
+                let cell = (((x / radius + 1.0) * 0.5 * CELLS as f32) as usize).min(CELLS - 1);
+                cells
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(j, m)| m.push(if j == cell { f64::from(w) } else { 0.0 }));
+            }
+            let width = 2.0 * radius / CELLS as f32;
+            for (j, cell) in cells.iter().enumerate() {
+                let at = |k: usize| filter.along(0, ((j as f32 + (k as f32 + 0.5) / 64.0) * width) - radius);
+                let integral = (0..64).map(|k| f64::from(at(k) * width / 64.0)).sum::<f64>();
+                let error = (cell.mean() - integral).abs();
+                assert!(error < 5.0 * cell.standard_error() + 1e-4, "{description:?}, cell {j}: {error}");
+            }
+            assert_eq!([filter.along(0, -1.1 * radius), filter.along(0, 1.1 * radius)], [0.0; 2]);
         }
     }
 

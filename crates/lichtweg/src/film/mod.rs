@@ -2,6 +2,8 @@
 
 mod filter;
 mod pixel;
+mod splat;
 
 pub use filter::Filter;
 pub use pixel::{AuxiliarySums, Pixel};
+pub use splat::{Splat, SplatFilm};

@@ -106,9 +106,9 @@ impl AreaLight {
         }
     }
 
-    /// See [`Light::sample`](super::Light::sample).
+    /// See [`Light::sample`](super::Light::sample); with the point on the light.
     #[inline]
-    pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<LightSample> {
+    pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<(LightSample, SurfacePoint)> {
         let (point, measure) = self.sample_point(from, u, scene.form(self.shape))?;
         let to_light = point.position - from;
         let distance_squared = to_light.length_squared();
@@ -125,13 +125,37 @@ impl AreaLight {
         let radiance = scene.textures().eval(self.radiance, point.uv)
             * self.factor
             * scene.opacity_at(&point, -direction);
-        (pdf > 0.0 && pdf.is_finite() && !radiance.is_zero()).then(|| LightSample {
-            direction,
-            target: Some(point.leave(-direction)),
-            radiance,
-            pdf,
-            delta: false,
+        (pdf > 0.0 && pdf.is_finite() && !radiance.is_zero()).then(|| {
+            let target = Some(point.leave(-direction));
+            (LightSample { direction, target, radiance, pdf, delta: false }, point)
         })
+    }
+
+    /// A point that is even over the area (in object space, for quadrics), and its density per area.
+    pub(super) fn point_by_area(&self, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, f32)> {
+        match (&self.sampling, form) {
+            (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) => {
+                let pick = table.sample(u[0]);
+                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
+                Some((mesh.point(self.shape, pick.index as u32, b, c), 1.0 / area))
+            }
+            (_, Form::Quadric(quadric)) => {
+                let point = quadric_point(quadric, self.shape, u);
+                let pdf = quadric_pdf_area(quadric, &point);
+                Some((point, pdf))
+            }
+            _ => None,
+        }
+    }
+
+    /// Density per area of [`AreaLight::point_by_area`].
+    #[inline]
+    pub(super) fn pdf_area(&self, point: &SurfacePoint, form: &Form) -> f32 {
+        match (&self.sampling, form) {
+            (EmissionSampling::Triangles { area, .. }, _) => 1.0 / area,
+            (_, Form::Quadric(quadric)) => quadric_pdf_area(quadric, point),
+            _ => 0.0,
+        }
     }
 
     /// Radiance (elements 0 to 3), 1 / area (4), and 1 where both sides emit (5); `None` where that does not say it all.
@@ -161,48 +185,34 @@ impl AreaLight {
 
     #[inline(always)]
     fn sample_point(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
-        if let (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) = (&self.sampling, form) {
-            let pick = table.sample(u[0]);
-            let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
-            return Some((mesh.point(self.shape, pick.index as u32, b, c), Measure::Area(1.0 / area)));
+        if let EmissionSampling::Triangles { .. } = self.sampling {
+            return self.point_by_area(u, form).map(|(point, pdf)| (point, Measure::Area(pdf)));
         }
         self.sample_quadric(from, u, form)
     }
 
     #[inline(never)]
     fn sample_quadric(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
-        let quadric = match (&self.sampling, form) {
-            (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
-                if let Some(cone) = cone(*center, *radius, from) {
-                    let point = self.point_in_cone(&cone, *center, *radius, u, quadric);
-                    return Some((point, Measure::SolidAngle(warp::uniform_cone_pdf(cone.one_minus_cos))));
-                }
-                quadric
-            }
-            (EmissionSampling::Quadric, Form::Quadric(quadric)) => quadric,
-            _ => return None,
-        };
-        let point = quadric_point(quadric, self.shape, u);
-        Some((point, Measure::Area(quadric_pdf_area(quadric, &point))))
+        if let (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) = (&self.sampling, form)
+            && let Some(cone) = cone(*center, *radius, from)
+        {
+            let point = self.point_in_cone(&cone, *center, *radius, u, quadric);
+            return Some((point, Measure::SolidAngle(warp::uniform_cone_pdf(cone.one_minus_cos))));
+        }
+        self.point_by_area(u, form).map(|(point, pdf)| (point, Measure::Area(pdf)))
     }
 
     /// Density per solid angle at `from` with which [`AreaLight::sample`] chooses the direction to `point`.
     #[inline]
     pub fn pdf(&self, from: Vec3, point: &SurfacePoint, direction: Vec3, form: &Form) -> f32 {
-        let pdf_area = match (&self.sampling, form) {
-            (EmissionSampling::Triangles { area, .. }, _) => 1.0 / area,
-            (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) => {
-                if let Some(cone) = cone(*center, *radius, from) {
-                    return warp::uniform_cone_pdf(cone.one_minus_cos);
-                }
-                quadric_pdf_area(quadric, point)
-            }
-            (_, Form::Quadric(quadric)) => quadric_pdf_area(quadric, point),
-            _ => 0.0,
-        };
+        if let EmissionSampling::Sphere { center, radius } = self.sampling
+            && let Some(cone) = cone(center, radius, from)
+        {
+            return warp::uniform_cone_pdf(cone.one_minus_cos);
+        }
         // dw = cos dA / d^2
         let distance_squared = (point.position - from).length_squared();
-        pdf_area * distance_squared / point.geometric_normal.dot(direction).abs()
+        self.pdf_area(point, form) * distance_squared / point.geometric_normal.dot(direction).abs()
     }
 
     fn point_in_cone(

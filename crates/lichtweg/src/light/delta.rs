@@ -47,6 +47,13 @@ impl Spot {
         sample_point(self.position, from, |out| self.intensity * self.falloff(out.dot(self.axis)))
     }
 
+    /// Width of the cone.
+    #[inline]
+    pub fn one_minus_cos_cutoff(&self) -> f32 {
+        // 1 - cos t = 2 sin^2 (t / 2), which does not cancel.
+        2.0 * (0.5 * self.cutoff).sin().powi(2)
+    }
+
     /// Intensity relative to the axis, by the cosine of the angle to it.
     pub fn falloff(&self, cos_angle: f32) -> f32 {
         let angle = cos_angle.clamp(-1.0, 1.0).acos();

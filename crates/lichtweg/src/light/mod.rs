@@ -6,17 +6,19 @@
 
 mod area;
 mod delta;
+mod emission;
 mod environment;
 mod selection;
 
 use lichtweg_ray::math::Vec3;
 
 use crate::color::Spectrum;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 
 pub(crate) use area::TrianglePick;
 pub use area::{AreaLight, EmissionSampling};
 pub use delta::{Directional, Point, Spot};
+pub use emission::{Emission, EmissionDensity, Surroundings};
 pub use environment::{ConstantEnvironment, Environment, MapEnvironment};
 pub use selection::LightSelection;
 
@@ -54,13 +56,27 @@ impl Light {
     /// Chooses a direction from `from` to this light, by a uniform pair. `None` where nothing can arrive.
     #[inline]
     pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<LightSample> {
-        match self {
-            Self::Area(light) => light.sample(from, u, scene),
-            Self::Point(light) => light.sample(from),
-            Self::Spot(light) => light.sample(from),
-            Self::Directional(light) => Some(light.sample()),
-            Self::Environment(light) => light.sample(u),
-        }
+        self.sample_with_point(from, u, scene).map(|(sample, _)| sample)
+    }
+
+    /// The same, with the point on the light, if it is a shape.
+    #[inline]
+    pub fn sample_with_point(
+        &self,
+        from: Vec3,
+        u: [f32; 2],
+        scene: &Scene,
+    ) -> Option<(LightSample, Option<SurfacePoint>)> {
+        let sample = match self {
+            Self::Area(light) => {
+                return light.sample(from, u, scene).map(|(sample, point)| (sample, Some(point)));
+            }
+            Self::Point(light) => light.sample(from)?,
+            Self::Spot(light) => light.sample(from)?,
+            Self::Directional(light) => light.sample(),
+            Self::Environment(light) => light.sample(u)?,
+        };
+        Some((sample, None))
     }
 
     /// Whether it is at a single point or in a single direction, so that no walk can run into it.

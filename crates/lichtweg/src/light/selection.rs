@@ -7,6 +7,8 @@ use lichtweg_montecarlo::distribution::AliasTable;
 #[derive(Debug)]
 pub struct LightSelection {
     table: Option<AliasTable>,
+    /// By power alone: where walks from the lights begin.
+    by_power: Option<AliasTable>,
 }
 
 /// Share of the uniform choice.
@@ -22,7 +24,20 @@ impl LightSelection {
             false => 0.0,
         };
         let weights: Vec<f64> = powers.iter().map(|&p| weight(p)).collect();
-        Self { table: AliasTable::new(&weights).ok() }
+        Self { table: AliasTable::new(&weights).ok(), by_power: AliasTable::new(powers).ok() }
+    }
+
+    /// A light for a walk to begin at, chosen by power, and the probability of its choice.
+    #[inline]
+    pub fn sample_emitter(&self, u: f64) -> Option<(u32, f32)> {
+        let pick = self.by_power.as_ref()?.sample_f64(u);
+        Some((pick.index as u32, pick.pmf))
+    }
+
+    /// Probability that [`LightSelection::sample_emitter`] chooses a light.
+    #[inline]
+    pub fn emitter_probability(&self, light: u32) -> f32 {
+        self.by_power.as_ref().map_or(0.0, |t| t.pmf(light as usize))
     }
 
     /// A light, the probability of its choice, and what is left of the random number; `None` where there is no light.

@@ -4,12 +4,19 @@
 //! pixel's samples are functions of its position and their index, and are added up in the order of the index, so that the
 //! image is the same bits for any number of threads and any cut into passes.
 
+mod paths;
+mod pyramid;
+mod splatting;
+
 use std::time::{Duration, Instant};
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::Ray;
 use rayon::prelude::*;
 
+pub use self::paths::FoundPath;
+pub use self::pyramid::{Pyramid, StrategyImage};
+use self::splatting::{CameraSample, Splatting};
 use super::{Progress, RenderedImage};
 use crate::camera::Camera;
 use crate::color::Spectrum;
@@ -33,6 +40,8 @@ pub struct Job {
     camera: Camera,
     filter: Filter,
     tracer: PathTracer,
+    /// Takes its place, if the samples fall anywhere on the film.
+    splatting: Option<Splatting>,
     sampler: SamplerKind,
     seed: u64,
     samples_per_pixel: u32,
@@ -163,6 +172,7 @@ impl Job {
             camera: if description.moves() { camera } else { camera.for_still_scene() },
             filter,
             tracer: PathTracer::new(&description.integrator),
+            splatting: Splatting::new(description),
             sampler: description.sampler.kind,
             seed: description.sampler.seed,
             samples_per_pixel,
@@ -186,6 +196,9 @@ impl Job {
 
     /// Renders on the threads of the rayon pool this is called in.
     pub fn render(&self, scene: &Scene, progress: &Progress) -> Result<Rendering, RenderError> {
+        if let Some(splatting) = &self.splatting {
+            return self.render_splatting(splatting, scene, progress);
+        }
         let start = Instant::now();
         let mut tiles = self.tiles();
         let (mut done, mut passes, mut pass_samples) = (0, 0, 1);
@@ -207,20 +220,25 @@ impl Job {
         if done == 0 {
             return Err(RenderError::Stopped);
         }
+        let mut statistics = self.statistics(&tiles, done, passes);
+        let image = self.assemble(tiles);
+        statistics.seconds = start.elapsed().as_secs_f64();
+        Ok(Rendering { image, statistics })
+    }
+
+    fn statistics(&self, tiles: &[Tile], samples_per_pixel: u32, passes: u32) -> Statistics {
         let mut statistics = Statistics {
-            samples_per_pixel: done,
-            paths: u64::from(self.window[2]) * u64::from(self.window[3]) * u64::from(done),
+            samples_per_pixel,
+            paths: u64::from(self.window[2]) * u64::from(self.window[3]) * u64::from(samples_per_pixel),
             passes,
             ..Default::default()
         };
-        for tile in &tiles {
+        for tile in tiles {
             statistics.walks.merge(&tile.counts);
             statistics.dropped += tile.dropped;
             statistics.first_dropped = statistics.first_dropped.or(tile.first_dropped);
         }
-        let image = self.assemble(tiles);
-        statistics.seconds = start.elapsed().as_secs_f64();
-        Ok(Rendering { image, statistics })
+        statistics
     }
 
     /// Samples of the next pass: as many as fit into the time of a pass and into what is left; `None` where time is up.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::curve::CurveForm;
 use super::description::{
     Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
-    Mesh, ShapeDescription, SpectrumDescription, TextureInput,
+    Mesh, ShapeDescription, SpectrumDescription,
 };
 use super::instances::Structures;
 use super::surface::{Form, MeshForm, QuadricForm};
@@ -20,9 +20,9 @@ use super::{MaterialArena, Scene, Shape};
 use crate::color::{Role, Spectrum, luminance, rgb_spectrum};
 use crate::light::{
     AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightSelection,
-    MapEnvironment, Point, Spot,
+    MapEnvironment, Point, Spot, Surroundings,
 };
-use crate::texture::TextureArena;
+use crate::texture::{Input, TextureArena};
 
 /// What compiling a scene took and found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,6 +60,9 @@ impl Scene {
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
+        if !description.keep_coordinates {
+            forget_coordinates(&mut shapes, &lights, &materials);
+        }
         for light in &description.lights {
             lights.extend(compile_light(light, diagnostics));
         }
@@ -71,8 +74,9 @@ impl Scene {
         let structures = Structures::build(description, &shapes, &group_ranges(description));
         let Structures { accel, instances, report: hierarchies } =
             structures.map_err(|fault| diagnostics.push(fault)).ok()?;
-        let radius = scene_radius(accel.bounds());
-        let powers: Vec<f32> = lights.iter().map(|l| power(l, &shapes, &textures, radius)).collect();
+        let surroundings = surroundings(accel.bounds());
+        let powers: Vec<f32> =
+            lights.iter().map(|l| power(l, &shapes, &textures, surroundings.radius)).collect();
         let environments = (0..lights.len() as u32)
             .filter(|&i| matches!(lights[i as usize], Light::Environment(_)))
             .collect();
@@ -87,6 +91,7 @@ impl Scene {
             materials,
             lights,
             environments,
+            surroundings,
             report: CompileReport { seconds, triangles },
         };
         scene.warn(description, diagnostics);
@@ -226,7 +231,7 @@ fn place_mesh(mesh: &Mesh, shape: &ShapeDescription) -> Result<MeshForm, Diagnos
 }
 
 fn add_shape(
-    mut form: Form,
+    form: Form,
     source: &ShapeDescription,
     groups: u32,
     materials: &MaterialArena,
@@ -259,16 +264,22 @@ fn add_shape(
         lights.push(Light::Area(light));
         lights.len() as u32 - 1
     });
-    let emission_uses_coordinates = light.is_some()
-        && source.emission.as_ref().is_some_and(|e| matches!(e.radiance, TextureInput::Texture(_)));
-    if let Form::Mesh(mesh) = &mut form
-        && !emission_uses_coordinates
-        && !materials.uses_coordinates(material)
-    {
-        mesh.forget_coordinates();
-    }
     let diffuse = if has_holes || light.is_some() { None } else { materials.diffuse(material) };
     shapes.push(Shape { form, material, light, has_holes, diffuse });
+}
+
+/// Forgets texture coordinates that neither materials nor lights look at.
+fn forget_coordinates(shapes: &mut [Shape], lights: &[Light], materials: &MaterialArena) {
+    for shape in shapes {
+        let light = shape.light.map(|light| &lights[light as usize]);
+        let textured = matches!(light, Some(Light::Area(a)) if matches!(a.radiance, Input::Texture(_)));
+        if let Form::Mesh(mesh) = &mut shape.form
+            && !textured
+            && !materials.uses_coordinates(shape.material)
+        {
+            mesh.forget_coordinates();
+        }
+    }
 }
 
 fn area_light(
@@ -281,7 +292,7 @@ fn area_light(
     let emission = source.emission.as_ref()?;
     let radiance = textures.input(&emission.radiance, Role::Emission, emission.span, diagnostics)?;
     let negative = |s: Spectrum| s.0.iter().any(|v| *v < 0.0);
-    if let crate::texture::Input::Constant(c) = radiance
+    if let Input::Constant(c) = radiance
         && negative(c)
     {
         diagnostics.push(
@@ -380,9 +391,13 @@ fn compile_light(light: &LightDescription, diagnostics: &mut Diagnostics) -> Opt
     }
 }
 
-/// Radius of a sphere around everything.
-fn scene_radius(bounds: Bounds3) -> f32 {
-    if bounds.is_empty() { 1.0 } else { (bounds.extent().length() * 0.5).max(f32::MIN_POSITIVE) }
+/// A sphere around everything, a little larger than rounding asks for.
+fn surroundings(bounds: Bounds3) -> Surroundings {
+    if bounds.is_empty() {
+        return Surroundings { center: Vec3::ZERO, radius: 1.0 };
+    }
+    let radius = (bounds.extent().length() * 0.5 * (1.0 + 1e-4)).max(f32::MIN_POSITIVE);
+    Surroundings { center: bounds.center(), radius }
 }
 
 /// Emitted power, about: for the choice of lights.

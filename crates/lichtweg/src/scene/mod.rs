@@ -12,7 +12,7 @@ use lichtweg_ray::math::{Bounds3, Vec3};
 use lichtweg_ray::{Accel, BuildReport, Hit, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightSelection, TrianglePick};
+use crate::light::{AreaLight, Environment, Light, LightSelection, Surroundings, TrianglePick};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
@@ -41,6 +41,7 @@ pub struct Scene {
     environments: Vec<u32>,
     /// Whether any surface has holes, so that occlusion has to look closer.
     has_holes: bool,
+    surroundings: Surroundings,
     report: CompileReport,
 }
 
@@ -155,6 +156,12 @@ impl Scene {
     /// Bounds of all shapes.
     pub fn bounds(&self) -> Bounds3 {
         self.accel.bounds()
+    }
+
+    /// A sphere around all shapes.
+    #[inline]
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
     }
 
     /// Number of shapes.

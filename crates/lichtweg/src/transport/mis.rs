@@ -13,6 +13,16 @@ pub fn weight(heuristic: Heuristic, p: f32, q: f32) -> f32 {
     }
 }
 
+/// A density, or a quotient of densities, as it enters the sums of a heuristic.
+#[inline]
+pub fn raise(heuristic: Heuristic, density: f32) -> f64 {
+    let density = f64::from(density);
+    match heuristic {
+        Heuristic::Balance => density,
+        Heuristic::Power => density * density,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,8 +3,8 @@
 use lichtweg::render::{Job, LayerSelection, Progress, RenderedImage};
 use lichtweg::scene::Scene;
 use lichtweg::scene::description::{
-    CameraDescription, Description, Diagnostics, FieldOfView, FilmDescription, FilterDescription, FovAxis,
-    Heuristic, LightStrategy,
+    CameraDescription, Description, Diagnostics, EstimatorKind, FieldOfView, FilmDescription,
+    FilterDescription, FovAxis, Heuristic, LightStrategy,
 };
 use lichtweg_ray::math::Affine;
 
@@ -60,21 +60,31 @@ pub enum Estimator {
     Nee,
     MisBalance,
     MisPower,
+    Light,
+    BidirectionalBalance,
+    BidirectionalPower,
 }
 
 impl Estimator {
     pub const ALL: [Self; 4] = [Self::Naive, Self::Nee, Self::MisBalance, Self::MisPower];
+    /// Walks from the lights, and from both ends.
+    pub const ADJOINT: [Self; 3] = [Self::Light, Self::BidirectionalBalance, Self::BidirectionalPower];
     /// Those that find delta lights.
     pub const CONNECTING: [Self; 3] = [Self::Nee, Self::MisBalance, Self::MisPower];
 
     /// Asks for it.
     pub fn choose(self, description: &mut Description) {
         let integrator = &mut description.integrator;
-        (integrator.light, integrator.heuristic) = match self {
-            Self::Naive => (LightStrategy::Naive, Heuristic::Power),
-            Self::Nee => (LightStrategy::Nee, Heuristic::Power),
-            Self::MisBalance => (LightStrategy::Mis, Heuristic::Balance),
-            Self::MisPower => (LightStrategy::Mis, Heuristic::Power),
+        (integrator.estimator, integrator.light, integrator.heuristic) = match self {
+            Self::Naive => (EstimatorKind::Path, LightStrategy::Naive, Heuristic::Power),
+            Self::Nee => (EstimatorKind::Path, LightStrategy::Nee, Heuristic::Power),
+            Self::MisBalance => (EstimatorKind::Path, LightStrategy::Mis, Heuristic::Balance),
+            Self::MisPower => (EstimatorKind::Path, LightStrategy::Mis, Heuristic::Power),
+            Self::Light => (EstimatorKind::Light, LightStrategy::Mis, Heuristic::Power),
+            Self::BidirectionalBalance => {
+                (EstimatorKind::Bidirectional, LightStrategy::Mis, Heuristic::Balance)
+            }
+            Self::BidirectionalPower => (EstimatorKind::Bidirectional, LightStrategy::Mis, Heuristic::Power),
         };
     }
 }

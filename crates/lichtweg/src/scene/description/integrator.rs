@@ -4,12 +4,14 @@ use lichtweg_montecarlo::SamplerKind;
 
 use super::Span;
 
-/// The path-tracing estimator a scene asks for.
+/// The estimator a scene asks for.
 #[derive(Clone, Debug)]
 pub struct IntegratorDescription {
     /// Where it was stated.
     pub span: Span,
-    /// Which paths carry light to the eye.
+    /// Which one.
+    pub estimator: EstimatorKind,
+    /// Which paths of walks from the eye carry light.
     pub light: LightStrategy,
     /// How two strategies for one path are weighted.
     pub heuristic: Heuristic,
@@ -25,6 +27,7 @@ impl Default for IntegratorDescription {
     fn default() -> Self {
         Self {
             span: Span::default(),
+            estimator: EstimatorKind::Path,
             light: LightStrategy::Mis,
             heuristic: Heuristic::Power,
             max_depth: None,
@@ -32,6 +35,17 @@ impl Default for IntegratorDescription {
             hide_emitters: false,
         }
     }
+}
+
+/// From which end the walks start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EstimatorKind {
+    /// The eye: path tracing.
+    Path,
+    /// The lights: light tracing.
+    Light,
+    /// Both: bidirectional path tracing.
+    Bidirectional,
 }
 
 /// Which paths carry light to the eye.

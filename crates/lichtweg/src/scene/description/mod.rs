@@ -21,7 +21,7 @@ use lichtweg_ray::Placement;
 pub use camera::{CameraDescription, FieldOfView, FilmDescription, FilterDescription, FilterKind, FovAxis};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceMap, Span};
 pub use integrator::{
-    Heuristic, IntegratorDescription, LightStrategy, RouletteDescription, SamplerDescription,
+    EstimatorKind, Heuristic, IntegratorDescription, LightStrategy, RouletteDescription, SamplerDescription,
 };
 pub use light::{EnvironmentMapping, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialId, MaterialKind, MicrofacetKind, RoughnessDescription};
@@ -60,6 +60,8 @@ pub struct Description {
     pub instances: Vec<InstanceDescription>,
     /// Lights that are no shape.
     pub lights: Vec<LightDescription>,
+    /// Keep the texture coordinates of shapes that nothing looks at.
+    pub keep_coordinates: bool,
 }
 
 impl Description {

@@ -28,6 +28,13 @@ impl Scatterer<'_> {
         self.bsdf.eval_pdf(local_wo, local_wi, mode)
     }
 
+    /// Density per solid angle of sampling `wi`, without delta lobes. `wo` may be on another side than the one the scatterer was
+    /// made for: walks that come the other way take the same material.
+    #[inline]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.eval_pdf(wo, wi, Mode::Radiance).1
+    }
+
     /// A direction in the world ([`BsdfSample::wi`] is then in the world too).
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], mode: Mode) -> Option<BsdfSample> {

@@ -1,0 +1,140 @@
+//! The eye as an end of walks from the lights.
+
+use lichtweg_ray::Ray;
+use lichtweg_ray::math::Vec3;
+
+use super::WalkCounts;
+use super::fault::{Fault, is_seeded};
+use super::mis::raise;
+use super::vertex::Departure;
+use super::visibility::SHADOW_END;
+use crate::camera::{Camera, View};
+use crate::color::Spectrum;
+use crate::scene::description::Heuristic;
+use crate::scene::{Scene, SurfacePoint};
+
+/// A camera, and how densely its film is sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensor<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Density of the film points of eye samples, per film, for each of the walks that are made from the lights: what the
+    /// measurement of a pixel needs, and what makes the densities of both kinds of walks comparable.
+    pub film_pdf: f32,
+    /// The part of the film that pixels to be rendered respond to: from and to, in film coordinates.
+    pub reach: [[f32; 2]; 2],
+}
+
+/// A point on the lens that looks at something.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// The point on the lens.
+    pub lens: Vec3,
+    /// Unit direction to it.
+    pub to_lens: Vec3,
+    /// Where it is seen.
+    pub film: [f32; 2],
+    /// Density per solid angle with which walks from the eye go from this point of the lens in this direction. It is the
+    /// importance We cos over the density of the lens point, too.
+    pub pdf: f32,
+    /// Cosine to the axis.
+    pub cos: f32,
+    /// Distances between which the camera sees.
+    clip: [f32; 2],
+}
+
+impl<'a> Sensor<'a> {
+    /// Takes `samples` of each pixel of a window from the eye and as many walks from the lights as eye samples.
+    pub fn new(camera: &'a Camera, size: [u32; 2], window: [u32; 4], filter_radius: [f32; 2]) -> Self {
+        let pixels = |i: usize| size[i] as f32;
+        let walks = window[2] as f32 * window[3] as f32;
+        let bound = |i: usize, at: u32, sign: f32| (at as f32 + sign * (filter_radius[i] + 0.5)) / pixels(i);
+        let [x, y, width, height] = window;
+        Self {
+            camera,
+            film_pdf: pixels(0) * pixels(1) / walks,
+            reach: [
+                [bound(0, x, -1.0), bound(1, y, -1.0)],
+                [bound(0, x + width, 1.0), bound(1, y + height, 1.0)],
+            ],
+        }
+    }
+
+    /// A walk from the eye along a camera ray.
+    pub fn depart(&self, ray: Ray, heuristic: Heuristic) -> Departure {
+        let cos = ray.direction.dot(self.camera.forward());
+        let view = self.camera.view(ray.origin, ray.direction);
+        Departure {
+            ray,
+            position: ray.origin,
+            // The film point is drawn as the pixel's filter asks, and the camera's response is normalised to it.
+            throughput: Spectrum::ONE,
+            pdf: view.map_or(0.0, |v| self.pdf(&v)),
+            cos,
+            infinite: false,
+            link: 1.0,
+            // c of the strategy in which the light walks into the lens.
+            chain: self.camera.lens_pdf().map_or(0.0, |pdf| 1.0 / raise(heuristic, pdf)),
+        }
+    }
+
+    /// Density per solid angle of walks from the eye.
+    fn pdf(&self, view: &View) -> f32 {
+        if is_seeded(Fault::Importance) {
+            return self.film_pdf * view.film_per_solid_angle * view.cos * view.cos * view.cos;
+        }
+        self.film_pdf * view.film_per_solid_angle
+    }
+
+    /// How a point of the lens looks in a direction; `None` where that is behind it or off the film.
+    pub fn look(&self, lens: Vec3, direction: Vec3) -> Option<Look> {
+        let view = self.camera.view(lens, direction)?;
+        let [from, to] = self.reach;
+        let inside = (0..2).all(|i| view.film[i] >= from[i] && view.film[i] < to[i]);
+        inside.then(|| Look {
+            lens,
+            to_lens: -direction,
+            film: view.film,
+            pdf: self.pdf(&view),
+            cos: view.cos,
+            clip: self.camera.clip(view.cos),
+        })
+    }
+
+    /// The look from a point of the lens at a point in space, and the square of the distance.
+    pub fn look_at(&self, lens: Vec3, position: Vec3) -> Option<(Look, f32)> {
+        let along = position - lens;
+        let distance_squared = along.length_squared();
+        let distance = distance_squared.sqrt();
+        let look = self.look(lens, along / distance)?;
+        (distance > look.clip[0] && distance <= look.clip[1]).then_some((look, distance_squared))
+    }
+}
+
+impl Look {
+    /// The fraction of light that passes from a surface point to the lens.
+    pub fn transmittance(
+        &self,
+        point: &SurfacePoint,
+        time: f32,
+        scene: &Scene,
+        counts: &mut WalkCounts,
+    ) -> f32 {
+        let along = point.leave(self.to_lens) - self.lens;
+        let distance = along.length();
+        let ray = Ray {
+            tnear: self.clip[0] / distance,
+            tfar: 1.0 - SHADOW_END,
+            time,
+            ..Ray::new(self.lens, along)
+        };
+        scene.transmittance(&ray, &mut counts.rays)
+    }
+
+    /// The fraction of light that passes from infinitely far to the lens, as far as the camera sees surfaces.
+    pub fn transmittance_from_far(&self, time: f32, scene: &Scene, counts: &mut WalkCounts) -> f32 {
+        let [tnear, tfar] = self.clip;
+        let ray = Ray { tnear, tfar, time, ..Ray::new(self.lens, -self.to_lens) };
+        scene.transmittance(&ray, &mut counts.rays)
+    }
+}

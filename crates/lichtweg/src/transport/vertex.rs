@@ -1,0 +1,162 @@
+//! Vertices of walks, and what each knows of the other ways to make the path that leads to it.
+//!
+//! A path x_0 ... x_k (x_0 on a light, x_k on the lens) can be made by joining the first s vertices of a walk from the light with
+//! the last t = k + 1 - s of a walk from the eye. Let p_i be the density per area with which the walk from one end makes its
+//! vertex i, and q_i that with which the walk from the other end would. The strategy with one vertex less on this side has a
+//! density that is q / p times that of this one, and so on down to none (Veach 1997, section 10.2.1):
+//!
+//! sum_i = (q_i / p_i)^b (c_i + sum_{i-1}),
+//!
+//! with b the exponent of the heuristic and c_i = 1 where vertices i - 1 and i can be connected, 0 where one of them scatters in
+//! single directions only. The weight of a strategy is 1 / (1 + sum on the side of the light + sum on the side of the eye).
+//!
+//! As q_i depends on what comes two vertices later, a walk carries the rest (after Georgiev 2012, "Implementing Vertex Connection
+//! and Merging", section 4): with r the density per solid angle at vertex i of going back to i - 1, and g the geometric
+//! factor from there to area,
+//!
+//! sum_i = q_i^b (A_i + r^b B_i), A_i = c_i / p_i^b, B_i = g_{i-1}^b (c_{i-1} + sum_{i-2}) / (p_{i-1} p_i)^b.
+//!
+//! Single directions (mirrors) have densities that are not finite. They cancel in the products of quotients; where they
+//! do not, c is 0. The probability of the lobe takes their place.
+//!
+//! Roulette and holes are left out of all densities: weights need to sum to one only.
+
+use lichtweg_ray::Ray;
+use lichtweg_ray::math::Vec3;
+
+use super::fault::{Fault, is_seeded};
+use super::mis::raise;
+use crate::bsdf::Mode;
+use crate::color::Spectrum;
+use crate::scene::description::Heuristic;
+use crate::scene::{Scatterer, SurfacePoint};
+
+/// What a vertex knows of the strategies with fewer vertices on its side: A and B of the sum above.
+#[derive(Clone, Copy, Debug)]
+pub struct Others {
+    /// A: the vertex before, connected to this one.
+    pub connected: f64,
+    /// B: all with still fewer.
+    pub shorter: f64,
+}
+
+impl Others {
+    /// Sum over the strategies with fewer vertices on this side, relative to this one: `pdf` is the density with which the walk
+    /// from the other end makes the vertex, `pdf_back` that with which it goes on to the vertex before.
+    #[inline]
+    pub fn sum(&self, heuristic: Heuristic, pdf: f32, pdf_back: f32) -> f64 {
+        raise(heuristic, pdf) * (self.connected + raise(heuristic, pdf_back) * self.shorter)
+    }
+}
+
+/// A walk that is about to leave a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// Where to, and from where: a little off the surface.
+    pub ray: Ray,
+    /// The vertex itself.
+    pub position: Vec3,
+    /// Value of the walk so far over its density, this direction included.
+    pub throughput: Spectrum,
+    /// Density of the direction per solid angle; of the ray's place, per area across it, from infinitely far.
+    pub pdf: f32,
+    /// |cos| between the direction and the normal; 1 where there is none.
+    pub cos: f32,
+    /// Whether the vertex is infinitely far away.
+    pub infinite: bool,
+    /// c of the next vertex.
+    pub link: f64,
+    /// (c + sum) / p^b of this vertex and those before.
+    pub chain: f64,
+}
+
+impl Departure {
+    /// What the next vertex knows, and the density per area with which it was made. `there` and `back` turn densities per solid
+    /// angle into those per area at the next vertex and at this one.
+    #[inline]
+    pub fn arrive(&self, heuristic: Heuristic, there: f32, back: f32) -> (Others, f32) {
+        let pdf = self.pdf * there;
+        let scale = 1.0 / raise(heuristic, pdf);
+        let others =
+            Others { connected: self.link * scale, shorter: raise(heuristic, back) * self.chain * scale };
+        (others, pdf)
+    }
+}
+
+/// A surface point that a walk has come to.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<'a> {
+    /// Where.
+    pub point: SurfacePoint,
+    /// What scatters there, looked at from `wo`.
+    pub scatterer: Scatterer<'a>,
+    /// Unit direction to the vertex before.
+    pub wo: Vec3,
+    /// Value of the walk over its density, up to here and without the scattering here.
+    pub throughput: Spectrum,
+    /// Density per area with which the walk came here, given the vertex before.
+    pub pdf_area: f32,
+    /// The other strategies.
+    pub others: Others,
+    /// How the walk went on.
+    pub onward: Option<Onward>,
+}
+
+/// How a walk went on from a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Onward {
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Its density per solid angle; of a single direction the probability of its lobe.
+    pub pdf: f32,
+    /// Whether it was a single direction.
+    pub delta: bool,
+    /// Factor on the throughput, without that of roulette.
+    pub weight: Spectrum,
+    /// Probability of surviving roulette; the throughput was divided by it.
+    pub survival: f32,
+}
+
+/// What happens at a vertex between the direction it was reached from and another one.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattering {
+    /// The scattering function times the cosine to the geometric normal.
+    pub value: Spectrum,
+    /// Density per solid angle of going there.
+    pub pdf: f32,
+    /// Density per solid angle of going from there to the vertex before.
+    pub pdf_back: f32,
+    /// |cos| to the geometric normal.
+    pub cos: f32,
+}
+
+impl Vertex<'_> {
+    /// Scattering towards the unit direction `wi`, of a walk that carries `mode`; single directions are left out.
+    #[inline]
+    pub fn scatter(&self, wi: Vec3, mode: Mode) -> Scattering {
+        let (mut value, pdf) = self.scatterer.eval_pdf(self.wo, wi, mode);
+        let cos = self.point.geometric_normal.dot(wi).abs();
+        if value.is_zero() {
+            return Scattering { value, pdf, pdf_back: 0.0, cos };
+        }
+        if is_seeded(Fault::Cosine) && mode == Mode::Importance {
+            value = value / cos.max(1e-3);
+        }
+        let value = value * self.adjoint_correction(wi, mode);
+        Scattering { value, pdf, pdf_back: self.scatterer.pdf(wi, self.wo), cos }
+    }
+
+    /// What makes the scattering function adjoint where the shading normal is not the geometric one: walks from the eye carry
+    /// f |cos_s(light)|, so that walks from a light have to carry f |cos_s(light)| |cos_g(eye)| / |cos_g(light)| (Veach 1997,
+    /// section 5.3, equation 5.19), which is this times f |cos_s(eye)|.
+    #[inline]
+    pub fn adjoint_correction(&self, wi: Vec3, mode: Mode) -> f32 {
+        let (shading, geometric) = (self.scatterer.frame.normal, self.point.geometric_normal);
+        if mode == Mode::Radiance || shading == geometric || is_seeded(Fault::ShadingNormal) {
+            return 1.0;
+        }
+        let wo = self.wo;
+        let correction = shading.dot(wo) * geometric.dot(wi) / (geometric.dot(wo) * shading.dot(wi));
+        if correction.is_finite() { correction.abs() } else { 0.0 }
+    }
+}

@@ -1,0 +1,337 @@
+//! Walks from the lights, from both ends, and from the eye have the same mean.
+//!
+//! Each scene is one family of Welch tests (all pairs of estimators, blocks and channels) with a probability of a false
+//! alarm of 0.01 or less. Light tracing sees nothing in mirrors or through smooth glass, and is left out where that is in
+//! view.
+
+mod common;
+
+use common::build::{
+    Build, CYLINDER, DISK, SPHERE, bitmap, chain, checkerboard, cube, facing_down, facing_up, float_image,
+    glass, glow, glow_input, grid, metal, placed, plastic, rectangle, rough,
+};
+use common::judge::assert_pairwise_agreement;
+use common::room::{add_ball, add_block, add_light, add_walls, room, stage};
+use common::run::{Estimator, compile_scene, render_scene};
+use lichtweg::scene::description::{
+    Description, EnvironmentMapping, FilterDescription, GeometryDescription, LightKind, MaterialKind,
+    MicrofacetKind, SpectrumDescription, SpotFalloff, TextureFilter, TextureInput,
+};
+use lichtweg_ray::math::{Affine, Vec3};
+
+/// Paths from the eye, with which the others are compared.
+const EYE: Estimator = Estimator::MisPower;
+/// All.
+const ALL: [Estimator; 4] =
+    [EYE, Estimator::Light, Estimator::BidirectionalBalance, Estimator::BidirectionalPower];
+/// Where what is in view can hardly be connected to the lens.
+const SPECULAR: [Estimator; 3] = [EYE, Estimator::BidirectionalBalance, Estimator::BidirectionalPower];
+
+fn assert_agreement(what: &str, description: &Description, estimators: &[Estimator]) {
+    let scene = compile_scene(description);
+    let images: Vec<_> = estimators
+        .iter()
+        .map(|&estimator| {
+            let mut d = description.clone();
+            d.sampler.seed = 300 + estimator as u64;
+            estimator.choose(&mut d);
+            (format!("{estimator:?}"), render_scene(&scene, &d))
+        })
+        .collect();
+    let means = images.iter().map(|(_, image)| image.mean().0[0]);
+    assert!(means.clone().all(|m| m > 0.01), "{what} is dark: {:?}", means.collect::<Vec<_>>());
+    assert_pairwise_agreement(what, &images);
+}
+
+#[test]
+fn diffuse_room() {
+    let mut d = room(128);
+    let white = d.diffuse([0.8, 0.75, 0.7]);
+    add_ball(&mut d, white);
+    add_block(&mut d, white);
+    assert_agreement("diffuse room", &d, &ALL);
+}
+
+#[test]
+fn glossy() {
+    let mut d = room(128);
+    let ball = d.material(metal(rough(MicrofacetKind::Ggx, 0.15, 0.4)));
+    let block = d.material(plastic([0.7, 0.5, 0.2], rough(MicrofacetKind::Beckmann, 0.2, 0.2)));
+    add_ball(&mut d, ball);
+    add_block(&mut d, block);
+    assert_agreement("glossy", &d, &ALL);
+}
+
+#[test]
+fn rough_glass() {
+    let mut d = room(128);
+    d.integrator.max_depth = Some(7);
+    let ball = d.material(glass(1.5, rough(MicrofacetKind::Ggx, 0.3, 0.3)));
+    let block = d.material(glass(1.33, rough(MicrofacetKind::Beckmann, 0.4, 0.25)));
+    add_ball(&mut d, ball);
+    add_block(&mut d, block);
+    // Light tracing finds what is seen through the glass in few, large samples, whose spread says nothing of their mean's.
+    assert_agreement("rough glass", &d, &SPECULAR);
+}
+
+/// Caustics of smooth glass, a mirror and a coat on the walls; these are in view.
+#[test]
+fn smooth_glass_and_mirror() {
+    let mut d = room(160);
+    d.integrator.max_depth = Some(7);
+    let ball = d.material(glass(1.5, None));
+    let block = d.material(metal(None));
+    add_ball(&mut d, ball);
+    add_block(&mut d, block);
+    let coated = d.material(plastic([0.2, 0.4, 0.7], None));
+    d.shape(SPHERE, placed([0.3, 0.3, 0.4], [0.3; 3]), coated);
+    assert_agreement("smooth glass and mirror", &d, &SPECULAR);
+}
+
+/// The same out of view, so that light tracing sees their caustics on the floor.
+#[test]
+fn caustics_of_unseen_glass() {
+    let mut d = room(160);
+    d.integrator.max_depth = Some(6);
+    let ball = d.material(glass(1.5, None));
+    let mirror = d.material(metal(None));
+    let mirror = d.two_sided(mirror);
+    d.shape(SPHERE, placed([0.0, 0.3, 1.3], [0.35; 3]), ball);
+    let place = chain(&[
+        Affine::translation(0.6, -0.2, 1.5),
+        Affine::rotation([0.0, 1.0, 0.0], 200.0),
+        Affine::scaling(0.4, 0.4, 1.0),
+    ]);
+    d.shape(rectangle(), place, mirror);
+    // The camera looks from between them and the room.
+    d.camera = common::run::camera([0.0, -0.3, 0.9], [0.0, -0.9, -0.6], 60.0);
+    assert_agreement("caustics of unseen glass", &d, &ALL);
+}
+
+/// Normals that are not the surface's: interpolated, tilted by a height field, and read from a map.
+#[test]
+fn shading_normals() {
+    let mut d = room(160);
+    let white = d.diffuse([0.7; 3]);
+    let wavy = grid(8, |x, y| Vec3::new(x, y, 0.15 * (4.0 * x).sin() * (3.0 * y).cos()), true);
+    let carpet = chain(&[Affine::translation(0.0, -0.75, 0.2), facing_up(), Affine::scaling(0.8, 0.7, 1.0)]);
+    let shiny = d.material(plastic([0.5, 0.4, 0.3], rough(MicrofacetKind::Ggx, 0.3, 0.3)));
+    let shiny = d.two_sided(shiny);
+    d.shape(wavy, carpet, shiny);
+    let texture_id = |input: &TextureInput| match input {
+        TextureInput::Texture(id) => *id,
+        TextureInput::Constant(_) => unreachable!("made as a texture"),
+    };
+    let heights: Vec<[f32; 3]> = (0..64).map(|i| [0.06 * ((i % 8 + i / 8) % 3) as f32; 3]).collect();
+    let height = d.texture(bitmap(8, &heights, TextureFilter::Bilinear));
+    let bumpy = d.material(MaterialKind::Bump { height: texture_id(&height), scale: 2.0, nested: white });
+    add_block(&mut d, bumpy);
+    let normals: Vec<[f32; 3]> =
+        (0..16).map(|i| [0.5 + 0.2 * ((i % 4) as f32 - 1.5) / 1.5, 0.6, 0.9]).collect();
+    let normals = d.texture(bitmap(4, &normals, TextureFilter::Bilinear));
+    let mapped = d.material(MaterialKind::NormalMap { normals: texture_id(&normals), nested: white });
+    d.shape(rectangle(), placed([-0.1, 0.2, -0.9], [0.7, 0.5, 1.0]), mapped);
+    assert_agreement("shading normals", &d, &ALL);
+}
+
+/// A coarse ball of rough glass with interpolated normals: refraction and shading normals at once.
+#[test]
+fn smooth_normals_on_glass() {
+    let mut d = room(160);
+    d.integrator.max_depth = Some(6);
+    let glass = d.material(glass(1.5, rough(MicrofacetKind::Ggx, 0.4, 0.4)));
+    let lens = grid(5, |x, y| Vec3::new(x, y, 0.4 * (1.0 - 0.5 * (x * x + y * y))), true);
+    d.shape(lens, placed([-0.2, -0.2, 0.3], [0.5; 3]), glass);
+    assert_agreement("smooth normals on glass", &d, &ALL);
+}
+
+#[test]
+fn delta_lights() {
+    let mut d = room(128);
+    let ball = d.material(plastic([0.5, 0.2, 0.2], rough(MicrofacetKind::Beckmann, 0.3, 0.3)));
+    let block = d.material(glass(1.5, rough(MicrofacetKind::Ggx, 0.4, 0.4)));
+    add_ball(&mut d, ball);
+    add_block(&mut d, block);
+    let intensity = SpectrumDescription::Rgb([0.5, 0.7, 1.0]);
+    d.light(LightKind::Point { position: Vec3::new(0.7, 0.5, 0.3), intensity: intensity.clone() });
+    d.light(LightKind::Spot {
+        to_world: chain(&[Affine::translation(-0.2, 0.8, 0.4), facing_down()]),
+        intensity: intensity.clone(),
+        cutoff: 40.0,
+        beam_width: 20.0,
+        falloff: SpotFalloff::LinearAngle,
+    });
+    d.light(LightKind::Directional { direction: Vec3::new(0.2, -0.3, -1.0), irradiance: intensity });
+    assert_agreement("delta lights", &d, &ALL);
+}
+
+/// A sky with a broad sun in both mappings, and an even one, over objects that stand free.
+#[test]
+fn environments() {
+    let sky = |width: u32, height: u32| {
+        let pixels: Vec<[f32; 3]> = (0..width * height)
+            .map(|i| {
+                let (x, y) = (i % width, i / width);
+                if x / 2 == 2 && y == 2 { [8.0, 7.0, 5.0] } else { [0.1, 0.2, 0.1 + 0.02 * y as f32] }
+            })
+            .collect();
+        float_image(width, &pixels)
+    };
+    let mut d = stage(160);
+    let floor = d.diffuse([0.6, 0.5, 0.4]);
+    let floor = d.two_sided(floor);
+    d.shape(rectangle(), chain(&[Affine::translation(0.0, -1.0, 0.0), facing_up()]), floor);
+    let ball = d.material(metal(rough(MicrofacetKind::Ggx, 0.2, 0.2)));
+    let block = d.material(plastic([0.3, 0.6, 0.3], rough(MicrofacetKind::Ggx, 0.3, 0.3)));
+    add_ball(&mut d, ball);
+    add_block(&mut d, block);
+    let turned = Affine::rotation([0.3, 1.0, 0.1], 40.0);
+    for (image, mapping) in [
+        (sky(16, 8), EnvironmentMapping::LatitudeLongitude),
+        (sky(8, 8), EnvironmentMapping::EqualAreaOctahedral),
+    ] {
+        d.light(LightKind::Environment { image, mapping, to_world: turned });
+    }
+    d.light(LightKind::Constant { radiance: SpectrumDescription::Constant(0.1) });
+    assert_agreement("environments", &d, &ALL);
+}
+
+/// Emission that varies over triangles and over the parameters of quadrics, one of them sampled by its cone.
+#[test]
+fn textured_emitters() {
+    let mut d = stage(128);
+    add_walls(&mut d);
+    let black = d.diffuse([0.0; 3]);
+    let board = d.texture(checkerboard([6.0, 1.0, 1.0], [0.2, 0.5, 3.0], 1.5));
+    let pixels = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [2.0, 2.0, 0.0]];
+    let image = d.texture(bitmap(2, &pixels, TextureFilter::Bilinear));
+    let ceiling =
+        chain(&[Affine::translation(0.4, 0.95, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
+    d.shape(rectangle(), ceiling, black).emission = glow_input(image.clone());
+    let disk = chain(&[Affine::translation(-0.5, 0.9, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
+    d.shape(DISK, disk, black).emission = glow_input(board.clone());
+    let tube = chain(&[Affine::translation(-0.9, -0.7, -0.6), Affine::scaling(0.15, 0.15, 0.8)]);
+    d.shape(CYLINDER, tube, black).emission = glow_input(image);
+    let egg = placed([0.6, -0.6, -0.4], [0.3, 0.4, 0.25]);
+    d.shape(SPHERE, egg, black).emission = glow_input(board.clone());
+    d.shape(SPHERE, placed([0.1, 0.2, 0.0], [0.3; 3]), black).emission = glow_input(board);
+    assert_agreement("textured emitters", &d, &ALL);
+}
+
+/// A lens that walks from the lights run into, and what it sees in a mirror.
+#[test]
+fn thin_lens() {
+    let mut d = room(160);
+    d.camera.aperture_radius = 0.25;
+    d.camera.focus_distance = 3.4;
+    d.camera.near_clip = 0.1;
+    let ball = d.material(metal(rough(MicrofacetKind::Beckmann, 0.2, 0.2)));
+    add_ball(&mut d, ball);
+    let far = d.clone();
+    assert_agreement("thin lens", &far, &ALL);
+    // A lens in the room, as large as things are: the walks hit it often.
+    d.camera = common::run::camera([0.0, 0.1, 0.85], [0.0, -0.3, -1.0], 60.0);
+    d.camera.aperture_radius = 0.4;
+    d.camera.focus_distance = 1.2;
+    let mirror = d.material(metal(None));
+    add_block(&mut d, mirror);
+    assert_agreement("large lens", &d, &SPECULAR);
+}
+
+/// Different materials on the two sides, and lights that shine from one side or both.
+#[test]
+fn two_sides() {
+    let mut d = room(128);
+    let [red, blue] = [[0.8, 0.2, 0.1], [0.1, 0.2, 0.8]].map(|color| d.diffuse(color));
+    let gloss = d.material(metal(rough(MicrofacetKind::Ggx, 0.25, 0.25)));
+    for (x, front, back) in [(-0.5, red, blue), (0.5, gloss, red)] {
+        let sides = d.material(MaterialKind::TwoSided { front, back });
+        let turn = Affine::rotation([0.1, 1.0, 0.0], 70.0 * f64::signum(x));
+        let place = chain(&[Affine::translation(x, -0.4, 0.1), turn, Affine::scaling(0.4, 0.5, 1.0)]);
+        d.shape(rectangle(), place, sides);
+    }
+    let lamp = chain(&[Affine::translation(0.0, 0.1, -0.2), Affine::scaling(0.2, 0.2, 1.0)]);
+    let mut emission = glow([2.0, 4.0, 2.0]).expect("emits");
+    emission.two_sided = true;
+    d.shape(rectangle(), lamp, blue).emission = Some(emission);
+    assert_agreement("two sides", &d, &ALL);
+}
+
+/// Surfaces with holes, one of them a light.
+#[test]
+fn masks() {
+    let mut d = room(128);
+    let white = d.diffuse([0.7, 0.6, 0.8]);
+    let sieve = d.texture(checkerboard([1.0; 3], [0.0; 3], 2.0));
+    let sieve = d.material(MaterialKind::Mask { opacity: sieve, nested: white });
+    let veil = d.material(MaterialKind::Mask { opacity: TextureInput::number(0.5), nested: white });
+    let (two_sided_sieve, two_sided_veil) = (d.two_sided(sieve), d.two_sided(veil));
+    add_ball(&mut d, two_sided_sieve);
+    add_block(&mut d, two_sided_veil);
+    let place = chain(&[Affine::translation(0.4, 0.5, 0.3), facing_down(), Affine::scaling(0.3, 0.3, 1.0)]);
+    d.shape(rectangle(), place, veil).emission = glow([4.0, 3.0, 2.0]);
+    assert_agreement("masks", &d, &ALL);
+}
+
+/// Many lights of all shapes, and emitters that reflect.
+#[test]
+fn many_lights() {
+    let mut d = stage(128);
+    add_walls(&mut d);
+    let grey = d.diffuse([0.4; 3]);
+    for i in 0..40 {
+        let t = f64::from(i);
+        let center =
+            [0.9 * (2.4 * t).cos() * (t / 40.0).sqrt(), 0.8 - 0.03 * t, 0.9 * (2.4 * t).sin() * (t / 40.0)];
+        let size = 0.05 + 0.08 * (t * 0.7).sin().abs();
+        let power = 20.0 * (1.0 + (t * 1.3).cos()) as f32 + 1.0;
+        let turn = Affine::rotation([1.0, t.sin(), t.cos()], 29.0 * t);
+        let place = chain(&[
+            Affine::translation(center[0], center[1], center[2]),
+            turn,
+            Affine::scaling(size, size, size),
+        ]);
+        let geometry = match i % 6 {
+            0 => SPHERE,
+            1 => DISK,
+            2 => CYLINDER,
+            3 => cube(),
+            4 => rectangle(),
+            _ => GeometryDescription::Sphere { z_min: -0.5, z_max: 0.7, phi_max: 200.0 },
+        };
+        let color = [power, power * 0.7, power * (0.3 + 0.01 * i as f32)].map(|c| 0.15 * c);
+        d.shape(geometry, place, grey).emission = glow(color);
+    }
+    assert_agreement("many lights", &d, &ALL);
+}
+
+/// Filters wider than a pixel, one with negative lobes, on a crop: splats fall on every pixel that they cover.
+#[test]
+fn filters_and_crops() {
+    use lichtweg::scene::description::FilterKind;
+    for filter in
+        [FilterDescription::default(), FilterDescription::new(FilterKind::Mitchell { b: 0.2, c: 0.5 }, 2.0)]
+    {
+        let mut d = room(512);
+        d.film.filter = filter;
+        d.film.crop = Some([5, 9, 20, 16]);
+        d.camera.principal_point_offset = [0.05, -0.1];
+        let shiny = d.material(metal(rough(MicrofacetKind::Ggx, 0.2, 0.2)));
+        add_ball(&mut d, shiny);
+        assert_agreement("filters and crops", &d, &ALL);
+    }
+}
+
+/// Early roulette, no limit of length, and no emitters in view.
+#[test]
+fn roulette() {
+    let mut d = stage(160);
+    add_walls(&mut d);
+    add_light(&mut d);
+    d.integrator.max_depth = None;
+    d.integrator.roulette.start_depth = Some(2);
+    d.integrator.hide_emitters = true;
+    let shiny = d.material(metal(rough(MicrofacetKind::Ggx, 0.2, 0.2)));
+    add_ball(&mut d, shiny);
+    assert_agreement("roulette", &d, &ALL);
+}
