@@ -39,12 +39,15 @@ fn kind() -> impl Strategy<Value = (CurveStyle, CurveBasis)> {
     (style, basis)
 }
 
+/// Segments, a place, and what stands at each point: position, radius and normal.
+type Sketch = (usize, Vec3, Vec<((Vec3, f32), Vec3)>);
+
 /// Chains of one kind: bundles of ten, near each other, of which some points coincide.
 fn bundle(range: f32) -> impl Strategy<Value = Vec<Chain>> {
     let control = (point(0.3 * range), prop_oneof![1 => Just(0.0), 4 => 0.001 * range..0.05 * range]);
     let chain = (1..5_usize, point(range), prop::collection::vec((control, point(1.0)), 13));
     (kind(), prop::collection::vec(chain, 1..10)).prop_map(|((style, basis), chains)| {
-        let chain = |(segments, at, all): (usize, Vec3, Vec<((Vec3, f32), Vec3)>)| Chain {
+        let chain = |(segments, at, all): Sketch| Chain {
             style,
             basis,
             points: all[..basis.order() + (segments - 1) * basis.step()]

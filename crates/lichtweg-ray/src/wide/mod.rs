@@ -26,7 +26,10 @@
 //! All that a kernel calls must be `#[inline(always)]`: what is compiled by itself does not have the instruction set.
 
 #[cfg(target_arch = "x86_64")]
-#[allow(clippy::needless_range_loop, reason = "lanes are numbered, and loops over numbers are surely inlined")]
+#[allow(
+    clippy::needless_range_loop,
+    reason = "lanes are numbered, and loops over numbers are surely inlined"
+)]
 mod avx512;
 #[allow(clippy::needless_range_loop, reason = "as above")]
 mod portable;

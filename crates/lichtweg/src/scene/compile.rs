@@ -230,6 +230,7 @@ fn place_mesh(mesh: &Mesh, shape: &ShapeDescription) -> Result<MeshForm, Diagnos
     ))
 }
 
+#[allow(clippy::too_many_arguments, reason = "what it reads, and the lists it adds to")]
 fn add_shape(
     form: Form,
     source: &ShapeDescription,

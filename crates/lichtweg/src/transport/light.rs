@@ -50,6 +50,7 @@ impl LightTracer {
     }
 
     /// One walk from a light, at a time, and what the camera sees of it.
+    #[allow(clippy::too_many_arguments, reason = "as for bidirectional paths")]
     pub fn sample<'a>(
         &self,
         scene: &'a Scene,

@@ -255,8 +255,8 @@ impl WalkQueue {
     #[inline(always)]
     pub fn lanes<W: Wide>(&self, at: usize) -> WalkLanes<W> {
         let mut rows = [&self.rows[0]; LANES];
-        for lane in 0..LANES.min(self.len - at) {
-            rows[lane] = self.row(at + lane);
+        for (lane, row) in rows.iter_mut().enumerate().take(self.len - at) {
+            *row = self.row(at + lane);
         }
         let [ox, oy, oz, dx, dy, dz, t0, t1, t2, t3, x, y, z, departure_pdf, path, dimension] =
             W::F32::columns(&rows);
@@ -332,8 +332,8 @@ impl ConnectionQueue {
     #[inline(always)]
     pub fn rays<W: Wide>(&self, at: usize, paths: &Paths, rays: &mut RayPacket) {
         let mut rows = [&self.rows[0]; LANES];
-        for lane in 0..LANES.min(self.len - at) {
-            rows[lane] = &self.rows[at + lane];
+        for (row, here) in rows.iter_mut().zip(&self.rows[at..self.len]) {
+            *row = here;
         }
         let [ox, oy, oz, dx, dy, dz, tfar, _, _, _, _, path, ..] = W::F32::columns(&rows);
         rays.origin = [ox.to_lanes(), oy.to_lanes(), oz.to_lanes()];
