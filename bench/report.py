@@ -4,7 +4,7 @@ import math
 import statistics
 from pathlib import Path
 
-BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
+MARKERS = ("<!-- benchmarks: begin -->", "<!-- benchmarks: end -->")
 LLVM, SCALAR = "llvm_ad_rgb", "scalar_rgb"
 
 
@@ -134,15 +134,16 @@ def document(results, load_runs, facts):
     return "\n\n".join(parts)
 
 
-def write(path, text):
+def write(path, text, markers=MARKERS):
     """Puts the text between the markers of a document, or at its end where it has none."""
+    begin, end = markers
     path = Path(path)
     old = path.read_text() if path.exists() else "# Benchmarks\n"
-    if BEGIN in old and END in old:
-        before, rest = old.split(BEGIN, 1)
-        after = rest.split(END, 1)[1]
+    if begin in old and end in old:
+        before, rest = old.split(begin, 1)
+        after = rest.split(end, 1)[1]
     else:
         before, after = old.rstrip("\n") + "\n\n", "\n"
     temporary = path.with_name(path.name + ".tmp")
-    temporary.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}")
+    temporary.write_text(f"{before}{begin}\n\n{text}\n\n{end}{after}")
     temporary.replace(path)

@@ -12,8 +12,10 @@ use crate::completions::CompletionsArgs;
 use crate::failure::Failure;
 use crate::info::InfoArgs;
 use crate::man::ManArgs;
+use crate::radiosity::RadiosityArgs;
 use crate::render::RenderArgs;
-use crate::{completions, info, man, render, scenes};
+use crate::solve::SolveArgs;
+use crate::{completions, info, man, radiosity, render, scenes, solve};
 
 const ABOUT: &str = "Lichtweg, a Monte Carlo light transport system";
 
@@ -30,6 +32,7 @@ Examples:
   lichtweg render scene.pbrt --time 60  render for a minute
   lichtweg info scene.xml               what is in a scene, what is not supported
   lichtweg scenes                       the scenes that are built in
+  lichtweg solve A.mtx -b b.mtx -u 17   an unknown of a linear system, by random walks
 
 Exit codes:
   0    all went well, or Ctrl-C ended a render early and its image is saved
@@ -49,6 +52,8 @@ struct Cli {
 enum Command {
     Render(Box<RenderArgs>),
     Info(InfoArgs),
+    Solve(Box<SolveArgs>),
+    Radiosity(Box<RadiosityArgs>),
     /// List the scenes that are built in
     Scenes,
     Completions(CompletionsArgs),
@@ -66,6 +71,8 @@ pub fn run() -> ExitCode {
         None => render::run(&RenderArgs::defaults()),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Info(args)) => info::run(&args),
+        Some(Command::Solve(args)) => solve::run(&args),
+        Some(Command::Radiosity(args)) => radiosity::run(&args),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Completions(args)) => completions::run(&args),
         Some(Command::Man(args)) => man::run(&args),

@@ -1,4 +1,4 @@
-//! The command `lichtweg`: renders scenes, and tells what is in them.
+//! The command `lichtweg`: renders scenes, tells what is in them, and solves linear systems.
 //!
 //! Exit codes: 0 all went well (a render that Ctrl-C ended early is saved, and counts as well); 1 the scene, a file or
 //! the machine stood in the way; 2 the command was not understood; 130 left at once at the second Ctrl-C.
@@ -16,9 +16,11 @@ mod options;
 mod output;
 mod overrides;
 mod progress;
+mod radiosity;
 mod record;
 mod render;
 mod scenes;
+mod solve;
 mod text;
 
 fn main() -> std::process::ExitCode {

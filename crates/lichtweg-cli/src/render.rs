@@ -43,7 +43,7 @@ pub struct RenderArgs {
     #[arg(default_value = "builtin:cornell-box", value_parser = location_parser())]
     scene: SceneLocation,
 
-    /// Image file, by extension .exr, .png, .hdr or .pfm (repeatable) [default: NAME.exr and NAME.png]
+    /// Image file, by extension .exr, .png, .jpg, .hdr or .pfm (repeatable) [default: NAME.exr and NAME.png]
     #[arg(short, long, value_name = "FILE", value_parser = options::output_parser())]
     output: Vec<PathBuf>,
 

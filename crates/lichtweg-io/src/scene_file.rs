@@ -65,13 +65,7 @@ pub fn read_scene(
     report: &mut LoadReport,
 ) -> Option<Description> {
     match location {
-        SceneLocation::Builtin(scene) => {
-            let name = location.display();
-            let mut description =
-                mitsuba::read_str(Path::new(&name), scene.xml, options, sources, diagnostics, report)?;
-            scene.name.clone_into(&mut description.name);
-            Some(description)
-        }
+        SceneLocation::Builtin(scene) => scene.read(options, sources, diagnostics, report),
         SceneLocation::File(path) => {
             let format = match format(path) {
                 Ok(format) => format,

@@ -385,3 +385,56 @@ fn scenes_of_the_collection_are_read() {
         assert_eq!(file(&path.to_string_lossy(), &[("spp", "1")]).shapes.len(), shapes, "{name}");
     }
 }
+
+const BALLS: &str = "<shape type=\"shapegroup\" id=\"balls\">
+        <shape type=\"sphere\"/><shape type=\"sphere\"><point name=\"center\" x=\"3\" y=\"0\" z=\"0\"/></shape>
+    </shape>";
+
+#[test]
+fn groups_have_instances() {
+    let instance = |x: u32| {
+        format!(
+            "<shape type=\"instance\"><ref id=\"balls\"/>
+            <transform name=\"to_world\"><translate x=\"{x}\"/></transform></shape>"
+        )
+    };
+    // An instance may come before its group.
+    let scene = scene(&format!("{}{BALLS}{}<shape type=\"disk\"/>", instance(1), instance(2)));
+    assert_eq!(scene.groups, 1);
+    let groups: Vec<_> = scene.shapes.iter().map(|s| s.group.map(|g| g.0)).collect();
+    assert_eq!(groups, [Some(0), Some(0), None]);
+    let places: Vec<_> =
+        scene.instances.iter().map(|i| (i.group.0, i.to_world.at(0.0).point(Vec3::ZERO).x)).collect();
+    assert_eq!(places, [(0, 1.0), (0, 2.0)]);
+}
+
+#[test]
+fn animations_move_shapes_instances_and_sensors() {
+    let animation = |name: &str| {
+        format!(
+            "<animation name=\"{name}\">
+                <transform time=\"1\"><translate x=\"1\"/></transform>
+                <transform time=\"2\"><scale value=\"1\"/><translate x=\"5\"/></transform>
+            </animation>"
+        )
+    };
+    let body = format!(
+        "<sensor type=\"perspective\">
+            <float name=\"shutterOpen\" value=\"1\"/><float name=\"shutterClose\" value=\"1.5\"/>{0}
+        </sensor>
+        {BALLS}
+        <shape type=\"instance\"><ref id=\"balls\"/>{0}</shape>
+        <shape type=\"sphere\"><float name=\"radius\" value=\"2\"/>{0}</shape>",
+        animation("toWorld")
+    );
+    let scene = version("0.6.0", &body);
+    let x = |map: Affine| map.point(Vec3::ZERO).x;
+    let camera = scene.camera.motion.as_ref().expect("the camera moves");
+    assert_eq!((scene.camera.shutter, x(camera.at(1.5))), ([1.0, 1.5], 3.0));
+    let [group, ball] = &scene.instances[..] else { panic!("{} instances", scene.instances.len()) };
+    for instance in [group, ball] {
+        assert_eq!([0.0, 1.25, 7.0].map(|time| x(instance.to_world.at(time))), [1.0, 2.0, 5.0]);
+    }
+    let moved = scene.shapes.last().unwrap();
+    assert_eq!((moved.group, moved.to_world.vector(Vec3::X)), (Some(ball.group), 2.0 * Vec3::X));
+}

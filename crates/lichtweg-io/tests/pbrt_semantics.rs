@@ -1,7 +1,6 @@
 //! What pbrt scenes mean: cameras, films, shapes, materials and transforms.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use lichtweg::scene::description::{
     ConductorQuantity, Description, Diagnostics, FieldOfView, FilterKind, FovAxis, GeometryDescription,
@@ -11,6 +10,7 @@ use lichtweg_io::diagnostics::render;
 use lichtweg_io::options::{LoadReport, ReadOptions};
 use lichtweg_io::pbrt;
 use lichtweg_montecarlo::SamplerKind;
+use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Vec3};
 
 /// Reads options and a world; panics where there are findings other than notes.
@@ -181,7 +181,7 @@ fn the_outside_is_where_pbrt_has_it() {
 }
 
 #[test]
-fn instances_share_their_mesh() {
+fn instances_share_their_shapes() {
     let scene = read(
         "",
         "Translate 1 0 0
@@ -196,14 +196,49 @@ fn instances_share_their_mesh() {
             ObjectInstance \"o\"
         AttributeEnd",
     );
-    let [a, b] = &scene.shapes[..] else { panic!("{} shapes", scene.shapes.len()) };
-    let (GeometryDescription::Mesh(x), GeometryDescription::Mesh(y)) = (&a.geometry, &b.geometry) else {
-        panic!("no meshes")
-    };
-    assert!(Arc::ptr_eq(x, y));
+    let [shape] = &scene.shapes[..] else { panic!("{} shapes", scene.shapes.len()) };
+    let [a, b] = &scene.instances[..] else { panic!("{} instances", scene.instances.len()) };
+    assert_eq!([shape.group; 2], [Some(a.group), Some(b.group)]);
     // The instance's transform, then that of the definition: T(1,0,0) S(2) of (1, 1, 0).
-    assert!(close(a.to_world.point(Vec3::ZERO), Vec3::new(3.0, 2.0, 0.0)));
-    assert!(close(b.to_world.point(Vec3::ZERO), Vec3::new(3.0, 2.0, 2.0)));
+    let origin = |placement: &Placement| placement.at(0.0).after(&shape.to_world).point(Vec3::ZERO);
+    assert!(close(origin(&a.to_world), Vec3::new(3.0, 2.0, 0.0)));
+    assert!(close(origin(&b.to_world), Vec3::new(3.0, 2.0, 2.0)));
+}
+
+#[test]
+fn what_is_used_once_is_placed_directly() {
+    let object = "ObjectBegin \"o\" Translate 1 0 0 Shape \"sphere\" ObjectEnd Scale 2 2 2";
+    let scene = read("", object);
+    assert!(scene.shapes.is_empty() && scene.instances.is_empty());
+    let scene = read("", &format!("{object} ObjectInstance \"o\""));
+    assert!(scene.instances.is_empty() && scene.shapes[0].group.is_none());
+    assert!(close(scene.shapes[0].to_world.point(Vec3::ZERO), Vec3::new(2.0, 0.0, 0.0)));
+}
+
+#[test]
+fn motion_has_two_ends() {
+    let options = "TransformTimes 1 3
+        ActiveTransform EndTime Translate 0 0 4 ActiveTransform All
+        Camera \"perspective\" \"float shutteropen\" 1.5 \"float shutterclose\" 2";
+    let scene = read(
+        options,
+        "Translate 0 1 0
+        ActiveTransform EndTime Translate 6 0 0 ActiveTransform All
+        Shape \"sphere\" \"float radius\" 2
+        ActiveTransform StartTime Translate 6 0 0 ActiveTransform All
+        Shape \"disk\"",
+    );
+    assert_eq!(scene.camera.shutter, [1.5, 2.0]);
+    let camera = scene.camera.motion.as_ref().expect("the camera moves");
+    assert!(close(camera.at(2.0).point(Vec3::ZERO), Vec3::new(0.0, 0.0, -2.0)));
+    let [ball, disk] = &scene.shapes[..] else { panic!("{} shapes", scene.shapes.len()) };
+    let [instance] = &scene.instances[..] else { panic!("{} instances", scene.instances.len()) };
+    assert_eq!((ball.group, disk.group), (Some(instance.group), None));
+    assert!(close(ball.to_world.vector(Vec3::X), 2.0 * Vec3::X));
+    for (time, x) in [(0.0, 0.0), (1.0, 0.0), (2.0, 3.0), (3.0, 6.0), (9.0, 6.0)] {
+        assert!(close(instance.to_world.at(time).point(Vec3::ZERO), Vec3::new(x, 1.0, 0.0)), "at {time}");
+    }
+    assert!(close(disk.to_world.point(Vec3::ZERO), Vec3::new(6.0, 1.0, 0.0)));
 }
 
 #[test]
@@ -319,7 +354,7 @@ fn everything_is_read_in_silence() {
     );
     assert!(diagnostics.list.is_empty(), "{}", render(&diagnostics, &sources, false));
     let scene = scene.unwrap();
-    assert_eq!((scene.shapes.len(), scene.lights.len()), (9, 4));
+    assert_eq!((scene.shapes.len(), scene.instances.len(), scene.lights.len()), (7, 2, 4));
     // A default from `Attribute`.
     assert!(close(scene.shapes[0].to_world.vector(Vec3::X), 2.0 * Vec3::X));
 }

@@ -6,10 +6,10 @@ use crate::build;
 use crate::bvh::{self, Bvh};
 use crate::geometry::Geometry;
 use crate::kind::{Item, Kind};
-use crate::math::Bounds3;
+use crate::math::{Affine, Bounds3, Vec3};
 use crate::packet::{self, HitPacket, RayPacket};
-use crate::ray::{Accept, Hit, Ray};
-use crate::simd::Isa;
+use crate::ray::{Accept, Hit, Ray, unit_time};
+use crate::simd::{Isa, WIDTH};
 use crate::triangle::TriangleHit;
 
 /// How much work to put into a structure.
@@ -41,17 +41,21 @@ impl From<BuildQuality> for BuildOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BuildReport {
-    /// Triangles in the structure.
+    /// Triangles in the structure, moving ones included; not those of instances.
     pub triangles: usize,
     /// Quadrics in the structure.
     pub quadrics: usize,
+    /// Instances in the structure.
+    pub instances: usize,
+    /// Primitives of the caller's own in the structure.
+    pub user_primitives: usize,
     /// Triangles left out because they have no area.
     pub dropped_degenerate: usize,
-    /// Triangles left out because a corner is NaN or infinite.
+    /// Primitives left out because a coordinate is NaN, infinite or beyond 2^40.
     pub dropped_non_finite: usize,
     /// Inner nodes.
     pub nodes: usize,
-    /// Memory of the structure, without the caller's meshes.
+    /// Memory of the structure, without the caller's meshes and without that of instanced structures.
     pub bytes: usize,
     /// Wall-clock time of the build.
     pub seconds: f64,
@@ -73,7 +77,7 @@ pub enum BuildError {
         /// The number of vertices there are.
         vertices: usize,
     },
-    /// A quadric's map has no inverse or is not finite.
+    /// The map of a quadric or an instance has no inverse or is not finite, or leads beyond 2^40.
     #[error("geometry {geometry}: the map to the world is singular or not finite")]
     SingularTransform {
         /// Index of the geometry.
@@ -86,6 +90,20 @@ pub enum BuildError {
         geometry: u32,
         /// What is wrong.
         reason: &'static str,
+    },
+    /// Keys of a motion do not go together.
+    #[error("geometry {geometry}: {reason}")]
+    InvalidMotion {
+        /// Index of the geometry.
+        geometry: u32,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// Instances of instances go deeper than [`Hit::MAX_INSTANCES`].
+    #[error("geometry {geometry}: instances of instances go too deep")]
+    TooDeep {
+        /// Index of the geometry.
+        geometry: u32,
     },
     /// More primitives than 32-bit references can name.
     #[error("{primitives} primitives are more than a structure can hold")]
@@ -110,6 +128,7 @@ pub struct Accel {
     /// The bits that all masks have.
     common_mask: u32,
     pub(crate) bounds: Bounds3,
+    levels: usize,
     report: BuildReport,
 }
 
@@ -128,7 +147,9 @@ impl Accel {
             seconds: start.elapsed().as_secs_f64(),
             ..census.report
         };
+        let levels = kinds.iter().map(Kind::levels).max().unwrap_or(0);
         Ok(Self {
+            levels,
             geometries,
             kinds,
             items,
@@ -175,6 +196,32 @@ impl Accel {
         self.masks.resize(self.geometries.len(), u32::MAX);
         self.masks[geometry as usize] = mask;
         self.common_mask = self.masks.iter().fold(u32::MAX, |all, m| all & m);
+    }
+
+    /// The outward normal at a hit that a query of `ray` has given, in the space of this structure, of any length.
+    /// Outward is the front of a triangle, and where the surface's own normal points else; mirroring maps keep it so.
+    ///
+    /// # Panics
+    /// May do so where the hit is from elsewhere.
+    pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        let ray = Ray { time: unit_time(ray.time), ..*ray };
+        let outer = if hit.is_instanced() { hit.instances[0] } else { hit.geometry };
+        match &self.geometries[outer as usize] {
+            Geometry::Triangles(mesh) => {
+                let [a, b, c] = mesh.corners(hit.primitive);
+                (b - a).cross(c - a)
+            }
+            _ => self.kinds[outer as usize].normal(&ray, hit),
+        }
+    }
+
+    /// The map to the space of this structure from that of the innermost of some instances, as a [`Hit`] names them, at a
+    /// time in [0, 1]. The identity for none.
+    pub fn instance_to_world(&self, instances: &[u32; Hit::MAX_INSTANCES], time: f32) -> Affine {
+        match self.kinds.get(instances[0] as usize) {
+            Some(Kind::Instance(instance)) => instance.path_to_world(instances, unit_time(time)),
+            _ => Affine::IDENTITY,
+        }
     }
 
     /// [`Accel::closest`] of the rays of a packet whose bit in `active` is set; the other lanes hit nothing.
@@ -228,6 +275,22 @@ impl Accel {
         } else {
             bvh::occluded_filtered(isa, self, ray, accept)
         }
+    }
+
+    /// A few boxes around everything, some of them empty.
+    pub(crate) fn outline(&self) -> [Bounds3; WIDTH] {
+        let root = self.bvh.root;
+        if !root.is_leaf() {
+            return std::array::from_fn(|slot| self.bvh.nodes[root.node()].bounds(slot));
+        }
+        let mut one = [Bounds3::EMPTY; WIDTH];
+        one[0] = self.bounds;
+        one
+    }
+
+    /// How deep instances of instances go: 0 where there is none.
+    pub(crate) fn levels(&self) -> usize {
+        self.levels
     }
 
     /// Whether a ray with a mask meets a geometry.

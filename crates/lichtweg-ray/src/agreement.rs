@@ -1,9 +1,14 @@
 //! Tests that every instruction set and every number of threads gives the same bits.
 
+use std::sync::Arc;
+
 use crate::bvh::Block;
-use crate::math::{Affine, Vec3};
+use crate::math::{Affine, Motion, Vec3};
 use crate::simd::Isa;
-use crate::{Accel, BuildOptions, BuildQuality, Geometry, Quadric, QuadricShape, Ray, TriangleMesh};
+use crate::{
+    Accel, BuildOptions, BuildQuality, Geometry, Instance, MovingMesh, Quadric, QuadricShape, Ray,
+    TriangleMesh,
+};
 
 /// A linear congruential generator (Knuth's MMIX constants), values in [-1, 1).
 pub(crate) struct Random(pub u64);
@@ -19,8 +24,34 @@ impl Random {
     }
 }
 
-/// Triangles on and off a coarse grid, and a few quadrics.
+/// Triangles on and off a coarse grid, a few quadrics, and the same moving, and as fixed and moving instances.
 pub(crate) fn scene(random: &mut Random, triangles: usize) -> Vec<Geometry> {
+    let mut all = still(random, triangles);
+    let inner = Arc::new(Accel::build(still(random, triangles / 2 + 1), BuildOptions::default()).unwrap());
+    if let Geometry::Triangles(mesh) = &inner.geometries()[0] {
+        let shifted: Vec<Vec3> = mesh.positions.iter().map(|p| *p + random.point() * 0.2).collect();
+        let few: Vec<[u32; 3]> = mesh.indices.iter().take(200).copied().collect();
+        all.push(MovingMesh::new([mesh.positions.clone(), shifted.into()], few).into());
+    }
+    for i in 0..6 {
+        let mut map = |degrees| {
+            let at = random.point();
+            let axis = [f64::from(at.x), 0.5, f64::from(at.y)];
+            Affine::translation(at.x.into(), at.y.into(), at.z.into())
+                .after(&Affine::rotation(axis, degrees))
+                .after(&Affine::scaling(0.3, -0.4, 0.2))
+        };
+        let fixed = Instance::new(inner.clone(), map(40.0));
+        let group = Arc::new(Accel::build(vec![fixed.clone().into()], BuildOptions::default()).unwrap());
+        let motion = Motion::new([(0.0, map(10.0)), (1.0, map(100.0))]).unwrap();
+        let moving = Instance::moving(if i < 3 { inner.clone() } else { group }, motion);
+        all.extend([fixed.into(), moving.into()]);
+    }
+    all
+}
+
+/// Triangles on and off a coarse grid, and a few quadrics.
+pub(crate) fn still(random: &mut Random, triangles: usize) -> Vec<Geometry> {
     let mut positions = Vec::new();
     for i in 0..triangles {
         let (a, b, c) = (random.point(), random.point() * 0.1, random.point() * 0.1);
@@ -46,7 +77,9 @@ pub(crate) fn ray(random: &mut Random, i: usize) -> Ray {
         1 => direction[i / 4 % 3] = 0.0,
         _ => {}
     }
-    Ray::new(origin, direction).between(0.0, if i.is_multiple_of(5) { 0.7 } else { f32::INFINITY })
+    Ray::new(origin, direction)
+        .between(0.0, if i.is_multiple_of(5) { 0.7 } else { f32::INFINITY })
+        .at_time(i as f32 / 30_000.0)
 }
 
 #[test]
@@ -61,11 +94,18 @@ fn instruction_sets_agree() {
                 accel.isa = isa;
                 let closest: Vec<_> = rays.iter().map(|r| accel.closest(r)).collect();
                 let occluded: Vec<_> = rays.iter().map(|r| accel.occluded(r)).collect();
-                (closest, occluded)
+                let filtered: Vec<_> = rays
+                    .iter()
+                    .map(|r| {
+                        accel.closest_filtered(r, |hit| !(hit.primitive + hit.geometry).is_multiple_of(3))
+                    })
+                    .collect();
+                (closest, occluded, filtered)
             })
             .collect();
-        let (closest, occluded) = &answers[0];
-        assert!(closest.iter().filter(|h| h.is_some()).count() > 100, "the rays must hit something");
+        let (closest, occluded, _) = &answers[0];
+        let instanced = closest.iter().flatten().filter(|h| h.is_instanced());
+        assert!(instanced.count() > 50, "the rays must hit instances");
         for (hit, any) in closest.iter().zip(occluded) {
             assert_eq!(hit.is_some(), *any);
         }
@@ -85,7 +125,7 @@ fn the_tree_does_not_depend_on_threads() {
 fn assert_independent_of_threads(quality: BuildQuality) {
     let build = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let scene = scene(&mut Random(9), 60_000);
+        let scene = still(&mut Random(9), 60_000);
         pool.install(|| Accel::build(scene, quality.into()).unwrap())
     };
     let (one, three) = (build(1), build(3));
@@ -104,7 +144,7 @@ fn assert_independent_of_threads(quality: BuildQuality) {
 fn pieces_are_bounded() {
     let references = |quality: BuildQuality| {
         let mut random = Random(4);
-        let mut geometries = scene(&mut random, 1000);
+        let mut geometries = still(&mut random, 1000);
         // Long triangles among each other, which are worth cutting.
         let mut long = Vec::new();
         for _ in 0..1000 {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::kind::Quadric;
+use crate::kind::{Instance, MovingMesh, Quadric, UserPrimitives};
 use crate::math::Vec3;
 
 /// An indexed triangle mesh. Clones share their arrays.
@@ -35,14 +35,22 @@ pub enum Geometry {
     Triangles(TriangleMesh),
     /// A quadric under an affine map.
     Quadric(Quadric),
+    /// A triangle mesh with moving vertices.
+    MovingTriangles(MovingMesh),
+    /// Another structure, under an affine map that may move.
+    Instance(Instance),
+    /// Primitives of the caller's own.
+    User(Arc<dyn UserPrimitives>),
 }
 
 impl Geometry {
-    /// Number of primitives that hits can name.
+    /// Number of primitives; 1 for an instance, whose hits name those of its own structure.
     pub fn primitives(&self) -> usize {
         match self {
             Self::Triangles(mesh) => mesh.indices.len(),
-            Self::Quadric(_) => 1,
+            Self::Quadric(_) | Self::Instance(_) => 1,
+            Self::MovingTriangles(mesh) => mesh.indices.len(),
+            Self::User(user) => user.count(),
         }
     }
 }
@@ -56,5 +64,17 @@ impl From<TriangleMesh> for Geometry {
 impl From<Quadric> for Geometry {
     fn from(quadric: Quadric) -> Self {
         Self::Quadric(quadric)
+    }
+}
+
+impl From<MovingMesh> for Geometry {
+    fn from(mesh: MovingMesh) -> Self {
+        Self::MovingTriangles(mesh)
+    }
+}
+
+impl From<Instance> for Geometry {
+    fn from(instance: Instance) -> Self {
+        Self::Instance(instance)
     }
 }

@@ -82,7 +82,7 @@ impl<T: Copy> std::fmt::Debug for Pages<T> {
     }
 }
 
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 fn advise_large_pages(start: NonNull<u8>, layout: Layout) {
     if layout.size() >= LARGE_PAGE {
         // SAFETY: the range was just allocated and starts on a page; this is a hint that changes no
@@ -91,5 +91,5 @@ fn advise_large_pages(start: NonNull<u8>, layout: Layout) {
     }
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", not(miri))))]
 fn advise_large_pages(_: NonNull<u8>, _: Layout) {}

@@ -81,6 +81,18 @@ impl Hit {
         Self { t, u, v, geometry, primitive, instances: [Self::NO_INSTANCE; Self::MAX_INSTANCES] }
     }
 
+    /// The same hit as the structure around instance `geometry` sees it.
+    #[inline]
+    pub(crate) fn inside(&self, geometry: u32) -> Self {
+        Self { instances: [geometry, self.instances[0]], ..*self }
+    }
+
+    /// The same hit as the outermost instance's own structure gave it.
+    #[inline]
+    pub(crate) fn outside(&self) -> Self {
+        Self { instances: [self.instances[1], Self::NO_INSTANCE], ..*self }
+    }
+
     /// Whether the surface belongs to an instance.
     #[inline]
     pub fn is_instanced(&self) -> bool {
@@ -90,3 +102,9 @@ impl Hit {
 
 /// A caller's choice among hits.
 pub(crate) type Accept<'a> = &'a dyn Fn(&Hit) -> bool;
+
+/// The nearest time in [0, 1]; 0 for NaN.
+#[inline]
+pub(crate) fn unit_time(time: f32) -> f32 {
+    if time > 0.0 { time.min(1.0) } else { 0.0 }
+}

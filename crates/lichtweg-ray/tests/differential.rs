@@ -1,43 +1,15 @@
-//! The hierarchy against every primitive in turn, over random soups.
+//! The hierarchy against every primitive in turn, over random scenes of every kind of primitive.
 
-use lichtweg_ray::math::{Affine, Vec3};
+mod support;
+
+use std::sync::Arc;
+
+use lichtweg_ray::math::{Affine, Motion, Vec3};
 use lichtweg_ray::{
-    Accel, BuildOptions, BuildQuality, Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh,
+    Accel, BuildQuality, Hit, MovingMesh, Placement, Quadric, QuadricShape, Ray, TriangleMesh,
 };
 use proptest::prelude::*;
-
-fn build(geometries: Vec<Geometry>) -> Accel {
-    Accel::build(geometries, BuildOptions::default()).expect("a sound scene")
-}
-
-/// One structure a primitive: what the nearest of all their hits is.
-struct OneByOne(Vec<(u32, u32, Accel)>);
-
-impl OneByOne {
-    fn new(geometries: &[Geometry]) -> Self {
-        let mut all = Vec::new();
-        for (g, geometry) in geometries.iter().enumerate() {
-            match geometry {
-                Geometry::Triangles(mesh) => {
-                    for p in 0..mesh.indices.len() as u32 {
-                        let single = TriangleMesh::new(mesh.corners(p).to_vec(), vec![[0, 1, 2]]);
-                        all.push((g as u32, p, build(vec![single.into()])));
-                    }
-                }
-                other => all.push((g as u32, 0, build(vec![other.clone()]))),
-            }
-        }
-        Self(all)
-    }
-
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let hits = self.0.iter().filter_map(|(geometry, primitive, accel)| {
-            let hit = accel.closest(ray)?;
-            Some(Hit { geometry: *geometry, primitive: *primitive, ..hit })
-        });
-        hits.reduce(|a, b| if b.t < a.t { b } else { a })
-    }
-}
+use support::{Balls, OneByOne, Source, build};
 
 fn point(range: f32) -> impl Strategy<Value = Vec3> {
     // A coarse grid as well as a continuum, for shared edges, coplanar and degenerate triangles.
@@ -47,17 +19,37 @@ fn point(range: f32) -> impl Strategy<Value = Vec3> {
     [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from_array)
 }
 
-fn soup(range: f32) -> impl Strategy<Value = Geometry> {
+fn triples(count: usize) -> Vec<[u32; 3]> {
+    (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()
+}
+
+/// Corners of up to `most` triangles.
+fn corners(range: f32, most: usize) -> impl Strategy<Value = Vec<Vec3>> {
     let triangle = (point(range), point(range * 0.3), point(range * 0.3));
-    prop::collection::vec(triangle, 1..120).prop_map(|triangles| {
-        let positions: Vec<Vec3> = triangles.iter().flat_map(|&(a, b, c)| [a, a + b, a + c]).collect();
-        let indices: Vec<[u32; 3]> =
-            (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        TriangleMesh::new(positions, indices).into()
+    prop::collection::vec(triangle, 1..most)
+        .prop_map(|triangles| triangles.iter().flat_map(|&(a, b, c)| [a, a + b, a + c]).collect())
+}
+
+fn soup(range: f32, most: usize) -> impl Strategy<Value = Source> {
+    corners(range, most).prop_map(|positions| {
+        let indices = triples(positions.len() / 3);
+        Source::Mesh(TriangleMesh::new(positions, indices))
     })
 }
 
-fn quadric(range: f32) -> impl Strategy<Value = Geometry> {
+fn moving_soup(range: f32) -> impl Strategy<Value = Source> {
+    let shifts = prop::collection::vec(prop::collection::vec(point(range * 0.3), 30), 0..4);
+    (corners(range, 40), shifts).prop_map(|(positions, shifts)| {
+        let indices = triples(positions.len() / 3);
+        let shifted = shifts.iter().map(|key| {
+            positions.iter().enumerate().map(|(i, p)| *p + key[i % key.len()]).collect::<Vec<_>>().into()
+        });
+        let first: Arc<[Vec3]> = positions.clone().into();
+        Source::Moving(MovingMesh::new(std::iter::once(first).chain(shifted), indices))
+    })
+}
+
+fn quadric(range: f32) -> impl Strategy<Value = Source> {
     let shape = (0..3, -1.0_f32..0.0, 0.1_f32..1.0, 0.5_f32..6.3).prop_map(|(kind, lo, hi, phi)| {
         let phi_max = phi.min(std::f32::consts::TAU);
         match kind {
@@ -66,41 +58,83 @@ fn quadric(range: f32) -> impl Strategy<Value = Geometry> {
             _ => QuadricShape::Cylinder { z_min: lo, z_max: hi, phi_max },
         }
     });
-    (shape, point(range), point(1.0), 0.01_f32..0.6, 0.0_f64..360.0).prop_map(
-        move |(shape, at, axis, size, degrees)| {
+    (shape, map(range, 0.01, 0.6)).prop_map(move |(shape, map)| {
+        let object_to_world = map.after(&Affine::scaling(range.into(), range.into(), range.into()));
+        Source::Quadric(Quadric { shape, object_to_world })
+    })
+}
+
+fn balls(range: f32) -> impl Strategy<Value = Source> {
+    prop::collection::vec((point(range), 0.01 * range..0.3 * range), 0..10)
+        .prop_map(|balls| Source::User(Arc::new(Balls(balls))))
+}
+
+/// A rotation, a scaling with a factor in a range, stretched and sometimes mirrored, and a translation.
+fn map(range: f32, least: f64, most: f64) -> impl Strategy<Value = Affine> {
+    (point(range), point(1.0), least..most, 0.0_f64..360.0, any::<bool>()).prop_map(
+        move |(at, axis, size, degrees, mirror)| {
             let axis = [axis.x, axis.y, axis.z + 1.5].map(f64::from);
-            let size = f64::from(size * range);
-            let object_to_world = Affine::translation(at.x.into(), at.y.into(), at.z.into())
+            Affine::translation(at.x.into(), at.y.into(), at.z.into())
                 .after(&Affine::rotation(axis, degrees))
-                .after(&Affine::scaling(size, size * 0.7, size * 1.3));
-            Quadric { shape, object_to_world }.into()
+                .after(&Affine::scaling(size, size * 0.7, size * if mirror { -1.3 } else { 1.3 }))
         },
     )
+}
+
+fn placement(range: f32) -> impl Strategy<Value = Placement> {
+    let motion =
+        (prop::collection::vec(map(range, 0.3, 1.2), 1..4), -0.5_f32..0.5).prop_map(|(maps, start)| {
+            let keys = maps.into_iter().zip(0..).map(|(map, i)| (start + 0.4 * i as f32, map));
+            Placement::Moving(Arc::new(Motion::new(keys).unwrap()))
+        });
+    prop_oneof![2 => map(range, 0.3, 1.2).prop_map(Placement::Fixed), 1 => motion]
+}
+
+fn plain(range: f32, most: usize) -> BoxedStrategy<Source> {
+    prop_oneof![3 => soup(range, most), 2 => quadric(range), 1 => balls(range), 1 => moving_soup(range)]
+        .boxed()
+}
+
+fn group(range: f32, of: BoxedStrategy<Source>) -> BoxedStrategy<Source> {
+    let inner = prop::collection::vec(of, 0..4);
+    (inner, placement(range)).prop_map(|(inner, placement)| Source::Group(inner, placement)).boxed()
 }
 
 fn ray(range: f32) -> impl Strategy<Value = Ray> {
     let length = prop_oneof![Just(1.0_f32), Just(1e-3), Just(1e4)];
-    (point(range * 1.5), point(range), length, any::<bool>()).prop_map(
-        move |(origin, target, length, limited)| {
+    (point(range * 1.5), point(range), length, any::<bool>(), -0.1_f32..1.1).prop_map(
+        move |(origin, target, length, limited, time)| {
             let direction = (target - origin).normalized() * length;
             let tfar = if limited { range / length } else { f32::INFINITY };
-            Ray::new(origin, direction).between(0.0, tfar)
+            Ray::new(origin, direction).between(0.0, tfar).at_time(time)
         },
     )
 }
 
-fn scene(range: f32) -> impl Strategy<Value = (Vec<Geometry>, Vec<Ray>)> {
-    let geometry = prop_oneof![3 => soup(range), 2 => quadric(range)];
+type Case = (Vec<Source>, Vec<Ray>);
+
+/// Static primitives in one structure.
+fn flat(range: f32) -> impl Strategy<Value = Case> {
+    let geometry = prop_oneof![3 => soup(range, 120), 2 => quadric(range)];
     (prop::collection::vec(geometry, 1..12), prop::collection::vec(ray(range), 40))
 }
 
-fn check((geometries, rays): (Vec<Geometry>, Vec<Ray>)) -> Result<(), TestCaseError> {
-    let accel = build(geometries.clone());
-    let fast = Accel::build(geometries.clone(), BuildQuality::Fast.into()).expect("a sound scene");
-    let reference = OneByOne::new(&geometries);
+/// All kinds, two levels of instances deep.
+fn deep(range: f32) -> impl Strategy<Value = Case> {
+    let one = group(range, plain(range, 30));
+    let two = group(range, prop_oneof![plain(range, 20), one.clone()].boxed());
+    let geometry = prop_oneof![3 => plain(range, 60), 2 => one, 2 => two];
+    (prop::collection::vec(geometry, 1..8), prop::collection::vec(ray(range), 40))
+}
+
+fn check((sources, rays): Case) -> Result<(), TestCaseError> {
+    let accel = build(sources.iter().map(Source::geometry).collect());
+    let fast = sources.iter().map(Source::geometry).collect();
+    let fast = Accel::build(fast, BuildQuality::Fast.into()).expect("a sound scene");
+    let reference = OneByOne::all(&sources);
     for ray in rays {
         let hit = accel.closest(&ray);
-        prop_assert_eq!(hit, reference.closest(&ray), "{:?}", ray);
+        prop_assert_eq!(hit, OneByOne::closest(&reference, &ray, &|_| true), "{:?}", ray);
         prop_assert_eq!(hit, fast.closest(&ray), "{:?}", ray);
         prop_assert_eq!(accel.occluded(&ray), hit.is_some(), "{:?}", ray);
         if let Some(hit) = hit {
@@ -108,6 +142,32 @@ fn check((geometries, rays): (Vec<Geometry>, Vec<Ray>)) -> Result<(), TestCaseEr
             prop_assert!(accel.closest(&beyond).is_none_or(|h| h.t > hit.t));
             prop_assert!(!accel.occluded(&ray.between(0.0, hit.t.next_down())));
         }
+    }
+    Ok(())
+}
+
+/// Some pattern over everything that a hit says.
+fn pattern(hit: &Hit) -> bool {
+    let ids = hit.primitive + 3 * hit.geometry + 5 * (hit.instances[0] % 7);
+    !ids.is_multiple_of(3) && (hit.u * 5.0) as u32 != 2
+}
+
+fn check_filtered((sources, rays): Case) -> Result<(), TestCaseError> {
+    let mut accel = build(sources.iter().map(Source::geometry).collect());
+    let reference = OneByOne::all(&sources);
+    let mask = |geometry: u32| 1 << (geometry % 3);
+    (0..sources.len() as u32).for_each(|g| accel.set_mask(g, mask(g)));
+    for (i, ray) in rays.into_iter().enumerate() {
+        let ray = Ray { mask: i as u32 % 8, ..ray };
+        let outer = |h: &Hit| if h.is_instanced() { h.instances[0] } else { h.geometry };
+        let seen = |h: &Hit| mask(outer(h)) & ray.mask != 0;
+        let masked = accel.closest(&ray);
+        prop_assert_eq!(masked, OneByOne::closest(&reference, &ray, &seen), "{:?}", ray);
+        prop_assert_eq!(accel.occluded(&ray), masked.is_some(), "{:?}", ray);
+        let hit = accel.closest_filtered(&ray, pattern);
+        let both = OneByOne::closest(&reference, &ray, &|h| seen(h) && pattern(h));
+        prop_assert_eq!(hit, both, "{:?}", ray);
+        prop_assert_eq!(accel.occluded_filtered(&ray, pattern), hit.is_some(), "{:?}", ray);
     }
     Ok(())
 }
@@ -121,17 +181,37 @@ proptest! {
     })]
 
     #[test]
-    fn ordinary_coordinates(case in scene(1.0)) {
+    fn ordinary_coordinates(case in flat(1.0)) {
         check(case)?;
     }
 
     #[test]
-    fn tiny_coordinates(case in scene(1e-12)) {
+    fn tiny_coordinates(case in flat(1e-12)) {
         check(case)?;
     }
 
     #[test]
-    fn huge_coordinates(case in scene(1e11)) {
+    fn huge_coordinates(case in flat(1e11)) {
         check(case)?;
+    }
+
+    #[test]
+    fn instances_and_motion(case in deep(1.0)) {
+        check(case)?;
+    }
+
+    #[test]
+    fn tiny_instances(case in deep(1e-10)) {
+        check(case)?;
+    }
+
+    #[test]
+    fn huge_instances(case in deep(1e10)) {
+        check(case)?;
+    }
+
+    #[test]
+    fn masks_and_filters(case in deep(1.0)) {
+        check_filtered(case)?;
     }
 }

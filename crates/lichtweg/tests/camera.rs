@@ -129,7 +129,7 @@ fn clipping_planes_and_shutter() {
         let ray = camera.ray(film, [0.2, 0.9], 0.5);
         let depth = |t: f32| (ray.at(t) - ray.origin).dot(axis);
         assert!((depth(ray.tnear) - 2.0).abs() < 1e-4 && (depth(ray.tfar) - 5.0).abs() < 1e-4);
-        assert_eq!(ray.time, 0.5);
+        assert_eq!(ray.time, 0.5, "the middle of the time that the shutter is open");
     }
     // A wall between the planes is seen, one in front of them or behind is not.
     for (distance, seen) in [(1.9, false), (2.1, true), (4.9, true), (5.1, false)] {

@@ -8,6 +8,7 @@ use lichtweg::scene::description::{
     Description, FieldOfView, FovAxis, GeometryDescription, Image, LightKind, MaterialKind, Mesh, Pixels,
     TextureKind,
 };
+use lichtweg_ray::Placement;
 use serde_json::{Value, json};
 
 use crate::options::{describe_filter, describe_integrator, describe_sampler};
@@ -103,6 +104,7 @@ impl<'a> Inventory<'a> {
             ),
             ("integrator", format!("{}, {depth}", describe_integrator(&d.integrator))),
             ("shapes", format!("{}; {}", counted(&self.shapes), text::plural(self.triangles, "triangle"))),
+            ("instances", self.instances()),
             ("lights", counted(&self.lights)),
             ("materials", counted(&self.materials)),
             ("textures", counted(&self.textures)),
@@ -129,6 +131,19 @@ impl<'a> Inventory<'a> {
             ),
         ));
         lines
+    }
+
+    /// `1,000 of 2 groups, 3 moving`.
+    fn instances(&self) -> String {
+        let instances = &self.description.instances;
+        if instances.is_empty() {
+            return "none".into();
+        }
+        let groups: HashSet<_> = instances.iter().map(|i| i.group).collect();
+        let moving = instances.iter().filter(|i| matches!(i.to_world, Placement::Moving(_))).count() as u64;
+        let moving = if moving > 0 { format!(", {} moving", text::count(moving)) } else { String::new() };
+        let groups = text::plural(groups.len() as u64, "group");
+        format!("{} of {groups}{moving}", text::count(instances.len() as u64))
     }
 
     fn camera(&self) -> String {
@@ -172,6 +187,7 @@ impl<'a> Inventory<'a> {
             "max_depth": d.integrator.max_depth.map_or(-1, i64::from),
             "shapes": self.shapes,
             "triangles": self.triangles,
+            "instances": d.instances.len(),
             "lights": self.lights,
             "materials": self.materials,
             "textures": self.textures,

@@ -142,10 +142,10 @@ pub fn output_parser() -> impl TypedValueParser<Value = PathBuf> {
 /// An image file, by its extension.
 fn parse_output(path: PathBuf) -> Result<PathBuf, String> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    if matches!(extension.as_str(), "exr" | "png" | "hdr" | "pfm") {
+    if matches!(extension.as_str(), "exr" | "png" | "jpg" | "jpeg" | "hdr" | "pfm") {
         return Ok(path);
     }
-    Err("its extension must name a format: .exr (all layers), .png (8-bit), .hdr or .pfm".into())
+    Err("its extension must name a format: .exr (all layers), .png or .jpg (8-bit), .hdr or .pfm".into())
 }
 
 /// A whole number without a sign.
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn outputs() {
         assert!(parse_output("a/b.EXR".into()).is_ok());
-        for wrong in ["a", "a.jpg", ".png", "exr"] {
+        for wrong in ["a", "a.gif", ".png", "exr"] {
             assert!(parse_output(wrong.into()).unwrap_err().contains(".hdr"), "{wrong}");
         }
     }

@@ -30,7 +30,7 @@ fn bad_values_say_what_was_expected() {
         ("--seed", "-1", "whole number"),
         ("--layers", "alpha", "variance"),
         ("--exposure", "bright", "stops"),
-        ("-o", "image.jpg", ".exr"),
+        ("-o", "image.gif", ".exr"),
         ("-o", "image", ".exr"),
         ("-D", "spp", "NAME=VALUE"),
     ] {
@@ -50,6 +50,17 @@ fn unknown_scenes_and_commands() {
     assert!(place.fail(2, &["scene.xml"]).contains("lichtweg render scene.xml"));
     assert!(place.fail(2, &["rendr"]).contains("render"));
     assert!(place.fail(2, &["--spp"]).contains("--spp"));
+}
+
+#[test]
+fn parameters_of_the_generated_scene() {
+    let place = Workplace::new();
+    let fail = |define| place.fail(1, &["render", "builtin:street", "-D", define]);
+    for wrong in ["detail=0", "detail=33", "detail=NaN", "detail=many"] {
+        assert!(fail(wrong).contains("a number from 0.05 to 32 expected"), "{wrong}");
+    }
+    assert!(fail("seed=-1").contains("a whole number"));
+    assert!(fail("details=1").contains("it has: detail, seed"));
 }
 
 #[test]

@@ -6,3 +6,4 @@ mod errors;
 mod interrupt;
 mod others;
 mod render;
+mod solve;

@@ -48,6 +48,8 @@ fn help_comes_with_examples() {
         &["--help"][..],
         &["render", "--help"],
         &["info", "--help"],
+        &["solve", "--help"],
+        &["radiosity", "--help"],
         &["completions", "--help"],
         &["man", "--help"],
     ] {

@@ -41,10 +41,12 @@ fn default_names_spare_files_that_are_not_ours() {
 #[test]
 fn every_format_is_written() {
     let place = Workplace::new();
-    let names = ["a.exr", "b.png", "c.hdr", "d.pfm"];
+    let names = ["a.exr", "b.png", "c.hdr", "d.pfm", "e.jpg"];
     let outputs: Vec<&str> = names.iter().flat_map(|name| ["-o", *name]).collect();
     place.succeed(&[&["render", "scene.xml", "--quiet"], &outputs[..]].concat());
-    for (name, magic) in names.iter().zip([&b"\x76\x2f\x31\x01"[..], b"\x89PNG", b"#?RADIANCE", b"PF"]) {
+    for (name, magic) in
+        names.iter().zip([&b"\x76\x2f\x31\x01"[..], b"\x89PNG", b"#?RADIANCE", b"PF", b"\xff\xd8\xff"])
+    {
         assert!(fs::read(place.path(name)).unwrap().starts_with(magic), "{name}");
     }
 }

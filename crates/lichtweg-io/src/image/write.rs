@@ -4,6 +4,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use image::codecs::hdr::HdrEncoder;
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, Rgb};
 
@@ -75,6 +76,7 @@ fn to_byte(encoded: f64) -> u8 {
 ///
 /// - `.exr`: all layers as 32-bit floats, lossless, with metadata and crop window;
 /// - `.png`: the image itself, 8-bit through `tone_map`, alpha linear;
+/// - `.jpg`, `.jpeg`: the same without alpha, lossy, for the web;
 /// - `.hdr`, `.pfm`: the image itself, linear; one or three channels (alpha is dropped); in `.hdr` NaN and negative numbers are 0.
 ///
 /// # Errors
@@ -86,13 +88,14 @@ pub fn write_image(path: &Path, image: &OutputImage, tone_map: &ToneMap) -> Resu
     let write = match extension.as_str() {
         "exr" => write_exr,
         "png" => write_png,
+        "jpg" | "jpeg" => write_jpeg,
         "hdr" => write_hdr,
         "pfm" => write_pfm,
         _ => {
             let named = if extension.is_empty() { "none".to_owned() } else { format!("`.{extension}`") };
             return Err(ImageError::new(
                 format!("the extension ({named}) names no format that can be written"),
-                "choose .exr (all layers), .png (8-bit), .hdr or .pfm",
+                "choose .exr (all layers), .png or .jpg (8-bit), .hdr or .pfm",
             )
             .in_file(path));
         }
@@ -123,6 +126,18 @@ fn write_png(image: &OutputImage, tone_map: &ToneMap, target: &mut Target) -> Re
     };
     let bytes: Vec<u8> = beauty.data.iter().enumerate().map(encode).collect();
     PngEncoder::new(target).write_image(&bytes, image.width, image.height, color).map_err(encoding_error)
+}
+
+/// Of 100: what is lost is less than the noise of a render.
+const JPEG_QUALITY: u8 = 92;
+
+fn write_jpeg(image: &OutputImage, tone_map: &ToneMap, target: &mut Target) -> Result<(), ImageError> {
+    let (channels, numbers) = opaque(beauty(image)?);
+    let bytes: Vec<u8> = numbers.into_iter().map(|number| tone_map.encode(number)).collect();
+    let color = if channels == 1 { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 };
+    JpegEncoder::new_with_quality(target, JPEG_QUALITY)
+        .write_image(&bytes, image.width, image.height, color)
+        .map_err(encoding_error)
 }
 
 /// A mantissa of 255/256 and an exponent of 127.

@@ -9,7 +9,7 @@
 //! every plugin is one file). What is unknown or unsupported is a finding with its place in the file; all of them are
 //! gathered in one run.
 //!
-//! Limits: participating media, animated transforms, instances, and textures on spot lights are not supported.
+//! Limits: participating media, animated emitters, and textures on spot lights are not supported.
 
 mod assets;
 mod blackbody;

@@ -1,6 +1,9 @@
 //! Typed access to an object's parameters. Wrong types and ranges are reported, and the default is used.
 
+use std::sync::Arc;
+
 use lichtweg::scene::description::{Diagnostic, Span, SpectrumDescription};
+use lichtweg_ray::Placement;
 use lichtweg_ray::math::Affine;
 
 use super::number::shortened;
@@ -189,13 +192,28 @@ impl<'a> Translator<'a> {
     /// A transform, if it is given.
     pub fn transform(&mut self, object: &'a Object, name: &'static str) -> Option<Affine> {
         let property = object.property(name)?;
-        match property.value {
-            Value::Transform(t) => Some(t),
+        match &property.value {
+            Value::Transform(t) => Some(*t),
+            Value::Animation(motion) => {
+                let message = format!("{} cannot move", title(object));
+                let diagnostic =
+                    Diagnostic::error("unsupported-animation", message).at(property.value_span, "");
+                self.diagnostics.unsupported(diagnostic, "it stays at the first place of the animation");
+                motion.keys().next().map(|(_, map)| *map)
+            }
             _ => {
                 self.wrong_type(property, "a transform");
                 None
             }
         }
+    }
+
+    /// A transform that may be animated and can be undone; the identity where none is given.
+    pub fn placement(&mut self, object: &'a Object, name: &'static str) -> Placement {
+        if let Some(Property { value: Value::Animation(motion), .. }) = object.property(name) {
+            return Placement::Moving(Arc::new(motion.clone()));
+        }
+        Placement::Fixed(self.invertible(object, name))
     }
 
     /// A transform that can be undone; the identity where none is given.

@@ -1,7 +1,10 @@
 //! Sensors (Mitsuba 3 `src/sensors/perspective.cpp`, `thinlens.cpp`, defaults in `src/render/sensor.cpp`).
 
+use std::sync::Arc;
+
 use lichtweg::scene::description::{CameraDescription, Diagnostic, FieldOfView, FovAxis, SamplerDescription};
-use lichtweg_ray::math::Affine;
+use lichtweg_ray::Placement;
+use lichtweg_ray::math::{Affine, Motion};
 
 use super::number::{parse_float, shortened};
 use super::sampler::DEFAULT_SAMPLES;
@@ -36,9 +39,18 @@ impl<'a> Translator<'a> {
             // Mitsuba's pinhole knows no focus, but accepts the parameter.
             0.0
         };
+        let (to_world, motion) = match self.placement(object, "to_world") {
+            Placement::Fixed(map) => (self.without_scale(object, map), None),
+            Placement::Moving(motion) => {
+                let keys: Vec<_> =
+                    motion.keys().map(|(t, map)| (t, self.without_scale(object, *map))).collect();
+                (Affine::IDENTITY, Motion::new(keys).map(Arc::new))
+            }
+        };
         self.description.camera = CameraDescription {
             span: object.plugin_span,
-            to_world: self.camera_to_world(object),
+            to_world,
+            motion,
             field_of_view: self.field_of_view(object),
             principal_point_offset: [
                 self.float(object, "principal_point_offset_x", 0.0),
@@ -117,8 +129,7 @@ impl<'a> Translator<'a> {
     }
 
     /// A camera's transform must not scale; mirrors are allowed.
-    fn camera_to_world(&mut self, object: &'a Object) -> Affine {
-        let found = self.invertible(object, "to_world");
+    fn without_scale(&mut self, object: &'a Object, found: Affine) -> Affine {
         let length = |c: usize| found.rows.iter().map(|r| r[c] * r[c]).sum::<f64>().sqrt();
         let lengths = [length(0), length(1), length(2)];
         if lengths.iter().all(|l| (l - 1.0).abs() < 1e-3) {

@@ -1,7 +1,7 @@
 //! `<transform>`: a chain of elementary maps, each applied after those above it.
 
 use lichtweg::scene::description::{Diagnostic, Span};
-use lichtweg_ray::math::Affine;
+use lichtweg_ray::math::{Affine, Motion};
 use roxmltree::Node;
 
 use super::element::Element;
@@ -16,6 +16,48 @@ impl Walk<'_> {
         if !self.check(element, &["name"], &[]) {
             return;
         }
+        let value = self.chain(node, element).map_or(Value::Invalid, Value::Transform);
+        self.add(parent, element, value, element.span);
+    }
+
+    /// Reads an `<animation>`, transforms at times, as a parameter of `parent` (Mitsuba 0.6, `src/libcore/track.cpp`).
+    pub fn animation(&mut self, node: Node<'_, '_>, element: &Element, parent: ObjectId) {
+        if !self.check(element, &["name"], &[]) {
+            return;
+        }
+        let errors = self.diagnostics.list.len();
+        let mut keys = Vec::new();
+        for child in node.children() {
+            if !child.is_element() {
+                self.refuse_text(child);
+                continue;
+            }
+            let inner = self.open(child);
+            if inner.tag != "transform" {
+                let message = format!("<{}> cannot be inside of <animation>", inner.tag);
+                self.error("misplaced-element", message, inner.span);
+            } else if self.check(&inner, &["time"], &[])
+                && let Some((text, span)) = inner.get("time")
+                && let Some(time) = self.report(parse_float(text), span)
+                && let Some(map) = self.chain(child, &inner)
+            {
+                if map.inverse().is_none() {
+                    self.error("bad-transform", "this transform is singular: it flattens space", inner.span);
+                }
+                keys.push((time as f32, map));
+            }
+        }
+        let motion = Motion::new(keys.iter().copied());
+        if motion.is_none() && self.diagnostics.list.len() == errors {
+            let message = "an animation needs transforms, with times that ascend";
+            self.error("bad-transform", message, element.span);
+        }
+        let value = motion.map_or(Value::Invalid, Value::Animation);
+        self.add(parent, element, value, element.span);
+    }
+
+    /// Reads the maps in a `<transform>`; `None` where any is wrong.
+    fn chain(&mut self, node: Node<'_, '_>, element: &Element) -> Option<Affine> {
         let errors = self.diagnostics.list.len();
         let mut total = Affine::IDENTITY;
         for child in node.children() {
@@ -37,9 +79,7 @@ impl Walk<'_> {
                 element.span,
             );
         }
-        let wrong = !representable || self.diagnostics.list.len() > errors;
-        let value = if wrong { Value::Invalid } else { Value::Transform(total) };
-        self.add(parent, element, value, element.span);
+        (representable && self.diagnostics.list.len() == errors).then_some(total)
     }
 
     fn step(&mut self, element: &Element) -> Option<Affine> {

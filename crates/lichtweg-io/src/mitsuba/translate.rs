@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use lichtweg::scene::description::{Description, Diagnostic, Diagnostics, MaterialId, Span, TextureId};
+use lichtweg::scene::description::{
+    Description, Diagnostic, Diagnostics, GroupId, MaterialId, Span, TextureId,
+};
 
 use super::assets::Assets;
 use super::suggest::hint;
@@ -20,6 +22,7 @@ pub(super) struct Translator<'a> {
     /// Objects that are made once and used by all that refer to them.
     pub materials: HashMap<ObjectId, MaterialId>,
     pub textures: HashMap<ObjectId, TextureId>,
+    pub groups: HashMap<ObjectId, Option<GroupId>>,
     pub default_material: Option<MaterialId>,
     /// The objects being translated, outermost first.
     open: Vec<ObjectId>,
@@ -34,6 +37,7 @@ impl<'a> Translator<'a> {
             assets: Assets::default(),
             materials: HashMap::new(),
             textures: HashMap::new(),
+            groups: HashMap::new(),
             default_material: None,
             open: Vec::new(),
         }

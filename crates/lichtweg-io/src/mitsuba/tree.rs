@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use lichtweg::scene::description::{Span, SpectrumDescription};
-use lichtweg_ray::math::Affine;
+use lichtweg_ray::math::{Affine, Motion};
 
 /// Index of an object in a [`Tree`]; the scene itself is 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -126,6 +126,8 @@ pub(super) enum Value {
     Vector([f64; 3]),
     Color(SpectrumDescription),
     Transform(Affine),
+    /// Transforms at ascending times.
+    Animation(Motion),
     Object(ObjectId),
     /// To the object of this id; resolved into `Object` once all files are read.
     Reference(String),
@@ -144,6 +146,7 @@ impl Value {
             Self::Vector(_) => "a vector",
             Self::Color(_) => "a colour",
             Self::Transform(_) => "a transform",
+            Self::Animation(_) => "an animated transform",
             Self::Object(_) | Self::Reference(_) => "an object",
             Self::Invalid => "an invalid value",
         }

@@ -23,8 +23,9 @@ pub(super) const DEEPEST: usize = 100;
 /// Files a scene may consist of, every inclusion counting.
 pub(super) const MOST_FILES: usize = 1000;
 
-const TAGS: [&str; 38] = [
+const TAGS: [&str; 39] = [
     "alias",
+    "animation",
     "blackbody",
     "boolean",
     "bsdf",
@@ -128,6 +129,7 @@ impl Walk<'_> {
             "include" => self.include(&element, parent, depth),
             "ref" => self.reference(&element, parent),
             "transform" => self.transform(node, &element, parent),
+            "animation" => self.animation(node, &element, parent),
             "float" | "integer" | "boolean" | "string" | "point" | "vector" => {
                 self.parameter(&element, parent)
             }
@@ -144,7 +146,7 @@ impl Walk<'_> {
                 None => return self.unknown_element(&element),
             },
         }
-        if !matches!(element.tag.as_str(), "transform" | "spectrum") {
+        if !matches!(element.tag.as_str(), "transform" | "animation" | "spectrum") {
             self.refuse_children(node, &element.tag);
         }
     }
@@ -352,11 +354,7 @@ impl Walk<'_> {
     fn unknown_element(&mut self, element: &Element) {
         let message = format!("unknown element <{}>", element.tag);
         let mut diagnostic = Diagnostic::error("unknown-element", message).at(element.span, "");
-        if element.tag == "animation" {
-            diagnostic.message = "animated transforms are not supported".to_owned();
-        } else {
-            diagnostic.help.extend(hint(&element.tag, "known", &TAGS));
-        }
+        diagnostic.help.extend(hint(&element.tag, "known", &TAGS));
         self.diagnostics.unsupported(diagnostic, "it is ignored, with all that is in it");
     }
 

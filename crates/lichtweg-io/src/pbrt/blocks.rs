@@ -2,7 +2,7 @@
 
 use lichtweg::scene::description::{Diagnostic, Span};
 
-use super::directives::static_transform;
+use super::directives::placement;
 use super::parser::{Parser, Reported};
 use super::state::{Block, BlockKind, InstanceStatement, ObjectStatement};
 
@@ -112,7 +112,7 @@ pub(super) fn object_instance(parser: &mut Parser) -> Result<(), Reported> {
         parser.report.substitute(Diagnostic::error("nesting", text).at(span, "used here"), "it is left out");
         return Ok(());
     }
-    let to_world = static_transform(parser, span);
+    let to_world = placement(parser, parser.graphics.transforms);
     parser.statements.instances.push(InstanceStatement { object, span, to_world });
     Ok(())
 }

@@ -4,8 +4,11 @@
 //!
 //! Limits: no orthographic, spherical or realistic cameras.
 
+use std::sync::Arc;
+
 use lichtweg::scene::description::{CameraDescription, Diagnostic, FieldOfView, FovAxis};
-use lichtweg_ray::math::Affine;
+use lichtweg_ray::Placement;
+use lichtweg_ray::math::{Affine, Motion};
 
 use super::build::Builder;
 use super::params::Type;
@@ -19,17 +22,17 @@ const DEFAULT_FOV: f32 = 90.0;
 pub(super) fn build(builder: &mut Builder, statements: &Statements) {
     let default = (
         Entity { directive: "Camera", kind: "perspective".to_owned(), ..Entity::default() },
-        Affine::IDENTITY,
+        Placement::Fixed(Affine::IDENTITY),
     );
-    let (entity, from_world) = statements.camera.as_ref().unwrap_or(&default);
+    let (entity, to_world) = statements.camera.as_ref().unwrap_or(&default);
     let film = &builder.scene.film;
     let aspect = film.width as f32 / film.height as f32;
     let shutter = builder.scene.camera.shutter;
     builder.scene.camera =
-        CameraDescription { shutter, ..camera(entity, from_world, aspect, &mut builder.report) };
+        CameraDescription { shutter, ..camera(entity, to_world, aspect, &mut builder.report) };
 }
 
-fn camera(entity: &Entity, from_world: &Affine, aspect: f32, report: &mut Report) -> CameraDescription {
+fn camera(entity: &Entity, to_world: &Placement, aspect: f32, report: &mut Report) -> CameraDescription {
     let params = &entity.params;
     check_type(entity, report);
     let positive = |v: f32| v > 0.0;
@@ -61,10 +64,17 @@ fn camera(entity: &Entity, from_world: &Affine, aspect: f32, report: &mut Report
         }
     }
     params.report_unused(&entity.title(), report);
-    let to_world = from_world.inverse().unwrap_or_default().after(&Affine::scaling(-1.0, 1.0, 1.0));
+    let mirrored = |map: &Affine| map.after(&Affine::scaling(-1.0, 1.0, 1.0));
+    let (to_world, motion) = match to_world {
+        Placement::Fixed(map) => (mirrored(map), None),
+        Placement::Moving(motion) => {
+            (Affine::IDENTITY, Motion::new(motion.keys().map(|(time, map)| (time, mirrored(map)))))
+        }
+    };
     CameraDescription {
         span: entity.span,
         to_world,
+        motion: motion.map(Arc::new),
         field_of_view,
         aperture_radius,
         focus_distance,

@@ -3,12 +3,14 @@
 //! Blocks: options come before `WorldBegin`, the scene after it. `TransformBegin` saves all of the state, as in
 //! pbrt-v4. `WorldEnd` of older versions is accepted.
 //!
-//! Limits: transforms are affine, and the two ends of a motion must be alike where they are used.
+//! Limits: transforms are affine; lights, and shapes within objects, do not move.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use lichtweg::scene::description::{Diagnostic, Span};
-use lichtweg_ray::math::Affine;
+use lichtweg_ray::Placement;
+use lichtweg_ray::math::{Affine, Motion};
 
 use super::blocks::{close, object_begin, object_instance, open, open_object, report_open_block};
 use super::params::Params;
@@ -176,7 +178,7 @@ fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
         "Integrator" => parser.statements.integrator = Some(entity(parser, "Integrator", None)?),
         "LightSource" => {
             let entity = entity(parser, "LightSource", Some("light"))?;
-            let to_world = static_transform(parser, entity.span);
+            let to_world = static_transform(parser, entity.span, "lights do not move");
             parser.statements.lights.push(LightStatement { entity, to_world });
         }
         "MakeNamedMaterial" => named_material(parser)?,
@@ -210,9 +212,7 @@ fn obey(parser: &mut Parser, word: &str, span: Span) -> Result<(), Reported> {
         "Texture" => texture(parser)?,
         "TransformBegin" => open(parser, BlockKind::Transform, span),
         "TransformEnd" => close(parser, &BlockKind::Transform, span),
-        "TransformTimes" => {
-            parser.numbers::<2>(false)?;
-        }
+        "TransformTimes" => transform_times(parser)?,
         "WorldBegin" => world_begin(parser),
         "WorldEnd" => {}
         _ => {
@@ -274,11 +274,10 @@ fn attribute(parser: &mut Parser) -> Result<(), Reported> {
 
 fn camera(parser: &mut Parser) -> Result<(), Reported> {
     let camera = entity(parser, "Camera", None)?;
-    let from_world = static_transform(parser, camera.span);
     // Transform directives refuse singular maps, so that there is an inverse up to rounding.
     let to_world = parser.graphics.transforms.map(|t| t.inverse().unwrap_or(t));
     parser.coordinate_systems.insert("camera".to_owned(), to_world);
-    parser.statements.camera = Some((camera, from_world));
+    parser.statements.camera = Some((camera, placement(parser, to_world)));
     Ok(())
 }
 
@@ -362,7 +361,16 @@ fn texture(parser: &mut Parser) -> Result<(), Reported> {
 
 fn shape(parser: &mut Parser) -> Result<(), Reported> {
     let entity = entity(parser, "Shape", Some("shape"))?;
-    let to_world = static_transform(parser, entity.span);
+    let in_object = open_object(parser);
+    let to_world = if in_object.is_some() {
+        let why = "shapes do not move within an object";
+        Placement::Fixed(static_transform(parser, entity.span, why))
+    } else if parser.graphics.area_light.is_some() {
+        let why = "a shape that moves cannot emit light";
+        Placement::Fixed(static_transform(parser, entity.span, why))
+    } else {
+        placement(parser, parser.graphics.transforms)
+    };
     let shape = ShapeStatement {
         to_world,
         reverse_orientation: parser.graphics.reverse_orientation,
@@ -370,7 +378,7 @@ fn shape(parser: &mut Parser) -> Result<(), Reported> {
         area_light: parser.graphics.area_light,
         entity,
     };
-    match open_object(parser) {
+    match in_object {
         None => parser.statements.shapes.push(shape),
         Some(None) => {}
         Some(Some(_)) => {
@@ -397,13 +405,34 @@ fn world_begin(parser: &mut Parser) {
     parser.coordinate_systems.insert("world".to_owned(), [Affine::IDENTITY; 2]);
 }
 
-/// The current transform, which must not move.
-pub(super) fn static_transform(parser: &mut Parser, span: Span) -> Affine {
+/// What two transforms at the ends of a motion make of it.
+pub(super) fn placement(parser: &Parser, [start, end]: [Affine; 2]) -> Placement {
+    let [from, to] = parser.transform_times;
+    match Motion::new([(from, start), (to, end)]) {
+        Some(motion) if start != end => Placement::Moving(Arc::new(motion)),
+        _ => Placement::Fixed(start),
+    }
+}
+
+/// The current transform, of something that cannot move.
+fn static_transform(parser: &mut Parser, span: Span, why: &str) -> Affine {
     let [start, end] = parser.graphics.transforms;
     if start != end {
-        let diagnostic = Diagnostic::error("unsupported", "motion is not supported")
-            .at(span, "moves while the shutter is open");
+        let diagnostic = Diagnostic::error("unsupported", why).at(span, "moves while the shutter is open");
         parser.report.substitute(diagnostic, "it stays where it is at the start");
     }
     start
+}
+
+fn transform_times(parser: &mut Parser) -> Result<(), Reported> {
+    let (times, span) = parser.numbers::<2>(false)?;
+    let times = times.map(|t| t as f32);
+    if times[0] < times[1] && times.iter().all(|t| t.is_finite()) {
+        parser.transform_times = times;
+        return Ok(());
+    }
+    let diagnostic =
+        Diagnostic::error("bad-value", "motion has to start before it ends").at(span, "expected two times");
+    parser.report.substitute(diagnostic, "the times are 0 and 1");
+    Ok(())
 }

@@ -13,7 +13,7 @@
 //! space) and its default sensor multiplies by exposure time x ISO / 100. So `rgb` values are radiances as they stand,
 //! black bodies and sampled spectra have the luminance `scale`.
 //!
-//! Limits: see the messages; no motion, no media, no hair, no subdivision.
+//! Limits: see the messages; no media, no hair, no subdivision.
 
 mod blocks;
 mod build;

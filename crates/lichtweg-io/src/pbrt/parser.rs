@@ -38,6 +38,8 @@ pub(super) struct Parser<'a, 'd> {
     /// Blocks that are open beyond the deepest nesting.
     pub unsaved_blocks: usize,
     pub coordinate_systems: HashMap<String, [lichtweg_ray::math::Affine; 2]>,
+    /// The times of the two ends of all motion.
+    pub transform_times: [f32; 2],
     pub in_world: bool,
     file: u32,
     position: usize,
@@ -63,6 +65,7 @@ impl<'a, 'd> Parser<'a, 'd> {
             blocks: Vec::new(),
             unsaved_blocks: 0,
             coordinate_systems: HashMap::new(),
+            transform_times: [0.0, 1.0],
             in_world: false,
             file: 0,
             position: 0,

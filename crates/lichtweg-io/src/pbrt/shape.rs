@@ -1,4 +1,4 @@
-//! Shapes, and objects expanded into their instances (`shapes.cpp`).
+//! Shapes, and objects with their instances (`shapes.cpp`).
 //!
 //! Radius and height go into the transform. The description keeps the outside of a shape under mirroring transforms, as pbrt
 //! does by flipping the normals of those, so that `ReverseOrientation` alone flips.
@@ -8,14 +8,15 @@
 //!
 //! Limits: no curves, no subdivision surfaces, no bilinear patches, no displacement of meshes; `S` is not used.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
 use lichtweg::scene::description::{
-    AreaLightDescription, Diagnostic, EmissionScale, GeometryDescription, Mesh, ShapeDescription,
-    SpectrumDescription, TextureInput,
+    AreaLightDescription, Diagnostic, EmissionScale, GeometryDescription, InstanceDescription, Mesh,
+    ShapeDescription, Span, SpectrumDescription, TextureInput,
 };
+use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Vec2, Vec3};
 
 use super::build::Builder;
@@ -25,9 +26,6 @@ use super::report::suggest;
 use super::state::{Entity, ShapeStatement, Statements};
 use super::winding;
 
-/// Most shapes of a scene: objects with many shapes and many instances multiply.
-const MOST_SHAPES: usize = 10_000_000;
-
 /// Builds all shapes.
 pub(super) fn build_all(builder: &mut Builder, statements: Statements) {
     let emissions: Vec<(Option<AreaEmission>, _)> =
@@ -35,52 +33,67 @@ pub(super) fn build_all(builder: &mut Builder, statements: Statements) {
     for statement in statements.shapes {
         let emission =
             statement.area_light.and_then(|i| emissions[i].0.as_ref().map(|e| (e, emissions[i].1)));
-        if let Some(shape) = builder.shape(&statement, emission) {
-            builder.scene.shapes.push(shape);
+        let Some(mut shape) = builder.shape(&statement, emission) else { continue };
+        if let Placement::Moving(_) = statement.to_world {
+            // A group of one, with an instance that moves.
+            let group = builder.scene.add_group();
+            shape.group = Some(group);
+            let (span, to_world) = (shape.span, statement.to_world);
+            builder.scene.instances.push(InstanceDescription { span, group, to_world });
         }
+        builder.scene.shapes.push(shape);
     }
-    let mut objects: HashMap<String, Vec<ShapeDescription>> = HashMap::new();
-    for object in statements.objects {
-        let shapes = object.shapes.iter().filter_map(|shape| builder.shape(shape, None)).collect();
-        objects.insert(object.name, shapes);
-    }
+    let mut uses: HashMap<String, Vec<(Span, Placement)>> = HashMap::new();
+    let defined: HashSet<&str> = statements.objects.iter().map(|o| o.name.as_str()).collect();
     for instance in statements.instances {
-        let Some(shapes) = objects.get(&instance.object) else {
-            let text = format!("there is no object \"{}\"", instance.object);
-            let diagnostic = Diagnostic::error("unknown-name", text).at(instance.span, "never defined");
-            builder.report.substitute(
-                suggest(diagnostic, &instance.object, objects.keys().map(String::as_str)),
-                "nothing is placed",
-            );
+        if defined.contains(instance.object.as_str()) {
+            uses.entry(instance.object).or_default().push((instance.span, instance.to_world));
             continue;
-        };
-        if builder.scene.shapes.len() + shapes.len() > MOST_SHAPES {
-            let text = format!("the scene has more than {MOST_SHAPES} shapes");
-            builder
-                .report
-                .push(Diagnostic::error("too-many-shapes", text).at(instance.span, "with this one"));
-            break;
         }
-        let instances = shapes.iter().map(|shape| ShapeDescription {
-            to_world: instance.to_world.after(&shape.to_world),
-            ..shape.clone()
-        });
-        builder.scene.shapes.extend(instances);
+        let text = format!("there is no object \"{}\"", instance.object);
+        let diagnostic = Diagnostic::error("unknown-name", text).at(instance.span, "never defined");
+        let diagnostic = suggest(diagnostic, &instance.object, defined.iter().copied());
+        builder.report.substitute(diagnostic, "nothing is placed");
+    }
+    for object in &statements.objects {
+        let shapes: Vec<_> = object.shapes.iter().filter_map(|shape| builder.shape(shape, None)).collect();
+        builder.place(shapes, uses.remove(&object.name).unwrap_or_default());
     }
 }
 
 impl Builder<'_> {
+    /// Places the shapes of an object; what is used once, and does not move, becomes plain shapes.
+    fn place(&mut self, shapes: Vec<ShapeDescription>, uses: Vec<(Span, Placement)>) {
+        if uses.is_empty() || shapes.is_empty() {
+            return;
+        }
+        if let [(_, Placement::Fixed(map))] = &uses[..] {
+            let placed =
+                shapes.into_iter().map(|s| ShapeDescription { to_world: map.after(&s.to_world), ..s });
+            return self.scene.shapes.extend(placed);
+        }
+        let group = self.scene.add_group();
+        self.scene.shapes.extend(shapes.into_iter().map(|s| ShapeDescription { group: Some(group), ..s }));
+        let instances =
+            uses.into_iter().map(|(span, to_world)| InstanceDescription { span, group, to_world });
+        self.scene.instances.extend(instances);
+    }
+
     fn shape(
         &mut self,
         statement: &ShapeStatement,
-        emission: Option<(&AreaEmission, lichtweg::scene::description::Span)>,
+        emission: Option<(&AreaEmission, Span)>,
     ) -> Option<ShapeDescription> {
         let entity = &statement.entity;
         let geometry = self.geometry(entity);
         let opacity = self.float_input(&entity.params, "alpha");
         entity.params.report_unused(&entity.title(), &mut self.report);
         let (geometry, placement, own_area) = geometry?;
-        let to_world = statement.to_world.after(&placement);
+        // What moves is placed by an instance.
+        let to_world = match &statement.to_world {
+            Placement::Fixed(map) => map.after(&placement),
+            Placement::Moving(_) => placement,
+        };
         let mut material = match self.chosen_material(&statement.material) {
             Some(material) => material,
             None if emission.is_some() => {
@@ -110,6 +123,7 @@ impl Builder<'_> {
             flip_normals: statement.reverse_orientation,
             material,
             emission,
+            group: None,
         })
     }
 

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use lichtweg::scene::description::Span;
+use lichtweg_ray::Placement;
 use lichtweg_ray::math::Affine;
 
 use super::color_space::ColorSpace;
@@ -44,7 +45,7 @@ pub(super) enum MaterialChoice {
 #[derive(Debug)]
 pub(super) struct ShapeStatement {
     pub entity: Entity,
-    pub to_world: Affine,
+    pub to_world: Placement,
     pub reverse_orientation: bool,
     pub material: MaterialChoice,
     /// An index into [`Statements::area_lights`].
@@ -85,14 +86,14 @@ pub(super) struct ObjectStatement {
 pub(super) struct InstanceStatement {
     pub object: String,
     pub span: Span,
-    pub to_world: Affine,
+    pub to_world: Placement,
 }
 
 /// Everything a file states, in its order.
 #[derive(Debug, Default)]
 pub(super) struct Statements {
-    /// The camera, and the transform from the world to it.
-    pub camera: Option<(Entity, Affine)>,
+    /// The camera, and the transform from its space, which has x to the right, to the world.
+    pub camera: Option<(Entity, Placement)>,
     pub film: Option<Entity>,
     pub sampler: Option<Entity>,
     pub filter: Option<Entity>,

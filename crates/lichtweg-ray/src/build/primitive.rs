@@ -30,14 +30,13 @@ pub(crate) struct Primitive {
 
 impl Primitive {
     #[inline(always)]
-    fn new(lo: Vec3, hi: Vec3, geometry: u32, primitive: u32) -> Self {
-        Self { lo: lo.to_array(), geometry, hi: hi.to_array(), primitive }
+    fn new(Bounds3 { min, max }: Bounds3, geometry: u32, primitive: u32) -> Self {
+        Self { lo: min.to_array(), geometry, hi: max.to_array(), primitive }
     }
 
     /// The same primitive with another box.
     pub(crate) fn within(&self, bounds: QuadBox) -> Self {
-        let Bounds3 { min, max } = bounds.to_bounds();
-        Self { lo: min.to_array(), hi: max.to_array(), ..*self }
+        Self::new(bounds.to_bounds(), self.geometry, self.primitive)
     }
 
     /// The box (the fourth lanes are meaningless).
@@ -113,22 +112,36 @@ pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
         kind.count(items, &mut all.report);
         all.kinds.push(kind);
     }
+    if all.report.instances > 0 {
+        widen_instances(&mut all);
+    }
     Ok(all)
+}
+
+/// Gives boxes of instances the margin that depends on the size of the whole scene.
+fn widen_instances(all: &mut Census) {
+    let reach = all.bounds.reach();
+    all.primitives.par_iter_mut().for_each(|p| {
+        if let Kind::Instance(instance) = &all.kinds[p.geometry() as usize] {
+            let wide = p.bounds().to_bounds().widened(instance.margin(reach));
+            *p = Primitive::new(wide, p.geometry(), p.primitive());
+        }
+    });
 }
 
 /// Lists the boxes of what is no static triangle; returns their number.
 fn add_items(all: &mut Census, geometry: u32, kind: &Kind) -> usize {
     let before = all.items.len();
     for (index, bounds) in (0..).zip(kind.boxes()) {
-        if bounds.is_empty() {
+        if bounds == Bounds3::EMPTY {
             continue;
         }
-        if !in_range(&bounds) {
+        if bounds.is_empty() || !in_range(&bounds) {
             all.report.dropped_non_finite += 1;
             continue;
         }
         all.bounds = all.bounds.union(bounds);
-        all.primitives.push(Primitive::new(bounds.min, bounds.max, geometry, all.items.len() as u32));
+        all.primitives.push(Primitive::new(bounds, geometry, all.items.len() as u32));
         all.items.push(Item { geometry, index });
     }
     all.items.len() - before
@@ -174,9 +187,9 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
         } else if has_no_area(corners) {
             chunk.dropped_degenerate += 1;
         } else {
-            chunk.bounds = chunk.bounds.union(Bounds3::of(corners));
-            let Bounds3 { min, max } = padded_box(corners);
-            chunk.primitives.push(Primitive::new(min, max, geometry, primitive));
+            let exact = Bounds3::of(corners);
+            chunk.bounds = chunk.bounds.union(exact);
+            chunk.primitives.push(Primitive::new(padded(exact), geometry, primitive));
         }
     }
     Ok(chunk)
@@ -200,9 +213,8 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
 }
 
-/// The box of a triangle, as wide as queries need it.
-pub(crate) fn padded_box(corners: [Vec3; 3]) -> Bounds3 {
-    let Bounds3 { min: lo, max: hi } = Bounds3::of(corners);
+/// A box with the margin that hits of triangles need.
+pub(crate) fn padded(Bounds3 { min: lo, max: hi }: Bounds3) -> Bounds3 {
     let margin = (hi - lo).max_element() * (3.0 * 2.0_f32.powi(-23));
     let outwards = |p: Vec3| p.abs() * (0.51 * f32::EPSILON) + Vec3::splat(margin);
     Bounds3 { min: lo - outwards(lo), max: hi + outwards(hi) }

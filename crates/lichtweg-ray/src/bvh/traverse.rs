@@ -364,7 +364,7 @@ fn go<V: Lanes, const ANY: bool, const FILTERED: bool>(
 /// Asks for the memory of a child that will be visited later.
 #[inline(always)]
 fn fetch(bvh: &Bvh, c: ChildRef) {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
     {
         use std::arch::x86_64::*;
         let leaf = c.is_leaf();

@@ -14,18 +14,27 @@
 //! all orders of traversal rest on this. Boxes must contain the hits that `intersect` reports with the margin that
 //! `bvh::slab` asks for. A kind that uses lanes dispatches on [`Probe::isa`] itself, as `bvh::query` does.
 
+mod instance;
+mod moving;
 mod quadric;
+mod user;
 
+use std::sync::Arc;
+
+pub use instance::{Instance, Placement};
+pub use moving::MovingMesh;
 pub use quadric::{Quadric, QuadricShape};
+pub use user::{UserHit, UserPrimitives};
 
 use crate::accel::{Accel, BuildError, BuildReport};
 use crate::build::MAX_COORDINATE;
 use crate::bvh::ChildRef;
 use crate::geometry::Geometry;
 use crate::math::{Bounds3, Vec3};
-use crate::ray::{Accept, Hit, Ray};
+use crate::ray::{Accept, Hit, Ray, unit_time};
 use crate::simd::Isa;
 use crate::triangle::Shear;
+use instance::PlacedInstance;
 use quadric::PlacedQuadric;
 
 /// A geometry made ready for queries.
@@ -34,6 +43,9 @@ pub(crate) enum Kind {
     /// Static triangles: they live in blocks and are not asked here.
     Triangles,
     Quadric(PlacedQuadric),
+    MovingTriangles(MovingMesh),
+    Instance(PlacedInstance),
+    User(Arc<dyn UserPrimitives>),
 }
 
 /// What a leaf of other primitives holds.
@@ -69,6 +81,12 @@ impl Kind {
         Ok(match source {
             Geometry::Triangles(_) => Self::Triangles,
             Geometry::Quadric(quadric) => Self::Quadric(PlacedQuadric::new(geometry, quadric)?),
+            Geometry::MovingTriangles(mesh) => {
+                mesh.check(geometry)?;
+                Self::MovingTriangles(mesh.clone())
+            }
+            Geometry::Instance(instance) => Self::Instance(PlacedInstance::new(geometry, instance)?),
+            Geometry::User(user) => Self::User(user.clone()),
         })
     }
 
@@ -77,22 +95,37 @@ impl Kind {
         match self {
             Self::Triangles => Vec::new(),
             Self::Quadric(quadric) => vec![quadric.bounds()],
+            Self::MovingTriangles(mesh) => mesh.boxes(),
+            Self::Instance(instance) => vec![instance.bounds],
+            Self::User(user) => (0..user.count() as u32).map(|primitive| user.bounds(primitive)).collect(),
+        }
+    }
+
+    /// Levels of instances.
+    pub(crate) fn levels(&self) -> usize {
+        match self {
+            Self::Instance(instance) => instance.levels(),
+            _ => 0,
         }
     }
 
     /// Adds `items` of this kind to a report.
     pub(crate) fn count(&self, items: usize, report: &mut BuildReport) {
         match self {
-            Self::Triangles => report.triangles += items,
+            Self::Triangles | Self::MovingTriangles(_) => report.triangles += items,
             Self::Quadric(_) => report.quadrics += items,
+            Self::Instance(_) => report.instances += items,
+            Self::User(_) => report.user_primitives += items,
         }
     }
 
     /// The nearest hit of an item with `tnear < t <= tfar`.
     #[inline]
-    fn intersect(&self, _item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
+    fn intersect(&self, item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
         match self {
-            Self::Triangles => None,
+            Self::Triangles | Self::Instance(_) => None,
+            Self::MovingTriangles(mesh) => mesh.intersect(item, &probe.shear, probe.ray.time, tnear, tfar),
+            Self::User(user) => user::intersect(&**user, item, probe.ray, tnear, tfar),
             // The surface parameters wait until the nearest hit is known: see `completed`.
             Self::Quadric(quadric) => {
                 let t = quadric.intersect(probe.ray, tnear, tfar)?;
@@ -109,7 +142,7 @@ impl Kind {
                 let (u, v) = quadric.parameters(ray, hit.t);
                 Hit { u, v, ..hit }
             }
-            Self::Triangles => hit,
+            _ => hit,
         }
     }
 
@@ -118,6 +151,9 @@ impl Kind {
         match self {
             Self::Triangles => Vec3::ZERO,
             Self::Quadric(quadric) => quadric.normal(ray, hit.t),
+            Self::MovingTriangles(mesh) => mesh.normal(hit.primitive, ray.time),
+            Self::Instance(instance) => instance.normal(ray, hit),
+            Self::User(user) => user.normal(hit.primitive, ray, &UserHit { t: hit.t, u: hit.u, v: hit.v }),
         }
     }
 }
@@ -132,7 +168,7 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     mut tfar: f32,
     accept: Option<Accept>,
 ) -> Option<(Hit, u32)> {
-    let time = probe.ray.time.max(0.0).min(1.0);
+    let time = unit_time(probe.ray.time);
     let ray = Ray { tnear: probe.shear.tnear, time, ..*probe.ray };
     let probe = Probe { ray: &ray, ..*probe };
     let mut best: Option<(Hit, u32)> = None;
@@ -142,9 +178,14 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
             continue;
         }
         let kind = &accel.kinds[item.geometry as usize];
-        let Some((hit, primitive)) = nearest_of::<FILTERED>(kind, item, &probe, tfar, accept) else {
-            continue;
+        let nearest = match kind {
+            // A single primitive of this structure, whatever its own hits name.
+            Kind::Instance(instance) => {
+                instance.nearest::<ANY>(probe.isa, item.geometry, &ray, tfar, accept).map(|hit| (hit, 0))
+            }
+            _ => nearest_of::<FILTERED>(kind, item, &probe, tfar, accept).map(|hit| (hit, hit.primitive)),
         };
+        let Some((hit, primitive)) = nearest else { continue };
         let id = accel.bvh.numbering.number(item.geometry, primitive);
         if best.is_none_or(|(b, best_id)| hit.t < b.t || id < best_id) {
             tfar = hit.t;
@@ -157,7 +198,7 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     best
 }
 
-/// The nearest hit of an item that is let count, and which of its geometry's primitives it belongs to.
+/// The nearest hit of an item that is let count.
 #[inline]
 fn nearest_of<const FILTERED: bool>(
     kind: &Kind,
@@ -165,14 +206,14 @@ fn nearest_of<const FILTERED: bool>(
     probe: &Probe,
     tfar: f32,
     accept: Option<Accept>,
-) -> Option<(Hit, u32)> {
+) -> Option<Hit> {
     let mut tnear = probe.ray.tnear;
     loop {
         let Candidate { t, u, v, primitive } = kind.intersect(item.index, probe, tnear, tfar)?;
         let hit = Hit::plain(t, u, v, item.geometry, primitive);
         match accept {
             Some(accept) if FILTERED && !accept(&kind.completed(probe.ray, hit)) => tnear = t,
-            _ => return Some((hit, primitive)),
+            _ => return Some(hit),
         }
     }
 }

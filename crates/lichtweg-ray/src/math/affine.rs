@@ -112,16 +112,17 @@ impl Affine {
         Vec3::new(x, y, z)
     }
 
-    /// Bounds of the image of a box.
+    /// Bounds of the image of a box; empty for the empty box.
     pub fn bounds(&self, b: &Bounds3) -> Bounds3 {
-        Bounds3::of((0..8).map(|i| {
-            let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
-            self.point(Vec3::new(
-                pick(0, b.min.x, b.max.x),
-                pick(1, b.min.y, b.max.y),
-                pick(2, b.min.z, b.max.z),
-            ))
-        }))
+        if b.is_empty() {
+            return Bounds3::EMPTY;
+        }
+        Bounds3::of(b.corners().map(|p| self.point(p)))
+    }
+
+    /// Norm of the linear part: the root of the sum of its squares.
+    pub(crate) fn norm(&self) -> f64 {
+        self.rows.iter().flat_map(|r| &r[..3]).map(|x| x * x).sum::<f64>().sqrt()
     }
 
     fn columns(&self) -> [[f64; 3]; 3] {

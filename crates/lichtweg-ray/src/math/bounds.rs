@@ -45,12 +45,6 @@ impl Bounds3 {
         self.max - self.min
     }
 
-    /// Largest absolute coordinate; zero for the empty box.
-    #[inline]
-    pub fn reach(&self) -> f32 {
-        if self.is_empty() { 0.0 } else { self.min.abs().max(self.max.abs()).max_element() }
-    }
-
     /// The middle.
     #[inline]
     pub fn center(&self) -> Vec3 {
@@ -62,5 +56,27 @@ impl Bounds3 {
     pub fn half_area(&self) -> f32 {
         let e = self.extent();
         e.x * e.y + e.y * e.z + e.z * e.x
+    }
+
+    /// Largest absolute coordinate; 0 for the empty box.
+    pub fn reach(&self) -> f32 {
+        if self.is_empty() { 0.0 } else { self.min.abs().max(self.max.abs()).max_element() }
+    }
+
+    /// The box grown by `margin` on all sides; the empty box stays empty.
+    pub fn widened(self, margin: f32) -> Self {
+        Self { min: self.min - Vec3::splat(margin), max: self.max + Vec3::splat(margin) }
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [Vec3; 8] {
+        let pick = |bit: usize, lo: f32, hi: f32| if bit & 1 == 0 { lo } else { hi };
+        std::array::from_fn(|i| {
+            Vec3::new(
+                pick(i, self.min.x, self.max.x),
+                pick(i >> 1, self.min.y, self.max.y),
+                pick(i >> 2, self.min.z, self.max.z),
+            )
+        })
     }
 }

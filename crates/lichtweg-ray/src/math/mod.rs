@@ -4,8 +4,10 @@
 
 mod affine;
 mod bounds;
+mod motion;
 mod vector;
 
 pub use affine::Affine;
 pub use bounds::Bounds3;
+pub use motion::Motion;
 pub use vector::{Vec2, Vec3};

@@ -148,9 +148,6 @@ impl<W: Wide> Prepared<W> {
         let inside = zero.le(least) | most.le(zero);
         let nothing = W::Mask::from_bits(0);
         let candidates = inside & active;
-        if !candidates.any() {
-            return TriangleHits { mask: nothing, doubtful: nothing, t: zero, u: zero, v: zero };
-        }
         let det = u + v + w;
         let depth = w.mul_add(cz, v.mul_add(bz, u * az));
         let z = xor_sign::<W>(xor_sign::<W>(depth, det), self.scale[2]);

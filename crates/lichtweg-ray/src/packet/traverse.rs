@@ -5,7 +5,8 @@ use std::mem::MaybeUninit;
 use super::ray::{Prepared, corners, settle};
 use super::{HitPacket, RayPacket};
 use crate::accel::Accel;
-use crate::bvh::{Best, ChildRef, MAX_DEPTH, Other, descend, slab};
+use crate::bvh::slab::{Slab, prepare};
+use crate::bvh::{Best, ChildRef, MAX_DEPTH, Other, descend};
 use crate::kind::Probe;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
@@ -14,7 +15,7 @@ use crate::triangle::WideShear;
 use crate::wide::{self, Float, LANES, Mask, Wide, Word};
 
 /// Where this many rays or fewer want a child, each goes on by itself.
-const FEW: u32 = 3;
+const FEW: u32 = 4;
 
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1 + WIDTH;
 
@@ -67,7 +68,10 @@ struct Walk<'a, W: Wide, V: NarrowLanes> {
     others: [Other; LANES],
     /// Rays that look for any hit and have found one.
     found: u32,
-    _narrow: std::marker::PhantomData<V>,
+    /// Rays that have gone on by themselves, made ready for that.
+    alone: [MaybeUninit<(Slab<V>, WideShear<V>)>; LANES],
+    /// Which of these there are.
+    ready: u32,
 }
 
 impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
@@ -84,7 +88,8 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             bests,
             others: [Other::NONE; LANES],
             found: 0,
-            _narrow: std::marker::PhantomData,
+            alone: [const { MaybeUninit::uninit() }; LANES],
+            ready: 0,
         }
     }
 
@@ -238,11 +243,16 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let ray = self.rays.get(lane);
-            let Some((slab, shear, _)) = slab::prepare::<V>(&ray, self.accel.bvh.reach) else { continue };
-            let prepared = (slab, WideShear::<V>::new(&shear));
+            if self.ready >> lane & 1 == 0 {
+                let Some((slab, shear, _)) = prepare::<V>(&ray, self.accel.bvh.reach) else { continue };
+                self.alone[lane].write((slab, WideShear::new(&shear)));
+                self.ready |= 1 << lane;
+            }
+            // SAFETY: written before its bit was set.
+            let prepared = unsafe { self.alone[lane].assume_init_ref() };
             let mut best = self.bests.get(lane);
             let other = &mut self.others[lane];
-            if descend::<V, ANY, false>(self.accel, &ray, &prepared, None, &mut best, other, child) {
+            if descend::<V, ANY, false>(self.accel, &ray, prepared, None, &mut best, other, child) {
                 self.found |= 1 << lane;
             } else if !ANY {
                 self.bests.set(lane, &best);

@@ -39,11 +39,11 @@ pub(crate) enum Isa {
 }
 
 impl Isa {
-    /// All that this machine can run, worst first.
+    /// All that this machine can run, worst first; under Miri, which knows few intrinsics, only the portable one.
     pub(crate) fn available() -> Vec<Self> {
-        #[cfg_attr(not(target_arch = "x86_64"), allow(unused_mut))]
+        #[cfg_attr(any(not(target_arch = "x86_64"), miri), allow(unused_mut))]
         let mut all = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", not(miri)))]
         {
             use std::arch::is_x86_feature_detected as has;
             let avx2 = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt");

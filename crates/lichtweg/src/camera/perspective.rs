@@ -4,18 +4,21 @@
 //! meets the pinhole's ray on the plane in focus (Cook, Porter and Carpenter 1984). Every film point has weight one: the
 //! responsivity is normalised so that a film lit by unit radiance reads one.
 
+use std::sync::Arc;
+
 use lichtweg_montecarlo::warp;
-use lichtweg_ray::Ray;
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Affine, Motion, Vec3};
+use lichtweg_ray::{Placement, Ray};
 
 use crate::scene::description::{CameraDescription, Diagnostic, Diagnostics, FieldOfView, FovAxis};
+use crate::scene::on_shutter_clock;
 
 /// A perspective camera.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Camera {
-    origin: Vec3,
-    /// Camera axes in the world: left, up, forward.
-    axes: [Vec3; 3],
+    view: View,
+    /// In place of `view`, over times from the opening of the shutter, 0, to its closing, 1.
+    motion: Option<Arc<Motion>>,
     /// Camera-space x and y at depth 1 of the film's top left corner, and their growth over the film.
     corner: [f32; 2],
     extent: [f32; 2],
@@ -23,7 +26,21 @@ pub struct Camera {
     focus_distance: f32,
     near: f32,
     far: f32,
-    shutter: [f32; 2],
+}
+
+/// Where a camera is.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    origin: Vec3,
+    /// Camera axes in the world: left, up, forward.
+    axes: [Vec3; 3],
+}
+
+impl View {
+    fn new(to_world: &Affine) -> Self {
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| to_world.vector(a).normalized());
+        Self { origin: to_world.point(Vec3::ZERO), axes }
+    }
 }
 
 impl Camera {
@@ -37,13 +54,19 @@ impl Camera {
         let fault = |what: &str| {
             Diagnostic::error("bad-camera", format!("the camera {what}")).at(description.span, "stated here")
         };
-        let m = &description.to_world;
-        if m.inverse().is_none() {
+        let placement = match &description.motion {
+            Some(motion) => on_shutter_clock(&Placement::Moving(motion.clone()), description.shutter),
+            None => Placement::Fixed(description.to_world),
+        };
+        let (to_world, motion) = match placement {
+            Placement::Fixed(to_world) => (to_world, None),
+            Placement::Moving(motion) => (motion.at(0.0), Some(motion)),
+        };
+        if to_world.inverse().is_none() {
             diagnostics
                 .push(fault("has a singular transform").help("check the look-at's origin, target and up"));
             return None;
         }
-        let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| m.vector(a).normalized());
         let Some([left, right, bottom, top]) = window(description.field_of_view, width, height) else {
             diagnostics.push(fault("has no field of view between 0 and 180 degrees"));
             return None;
@@ -58,19 +81,19 @@ impl Camera {
         // The film's x runs to the right, the camera's to the left; the film's y runs down, the camera's up.
         let extent = [-(right - left), -(top - bottom)];
         Some(Self {
-            origin: m.point(Vec3::ZERO),
-            axes,
+            view: View::new(&to_world),
+            motion,
             corner: [-left - shift_x * extent[0], top - shift_y * extent[1]],
             extent,
             aperture_radius: description.aperture_radius,
             focus_distance: description.focus_distance,
             near: description.near_clip.max(0.0),
             far: description.far_clip,
-            shutter: description.shutter,
         })
     }
 
-    /// The ray through a film point, a lens point and a time, each from uniform numbers. Its direction has unit length.
+    /// The ray through a film point, a lens point and a time, each from uniform numbers. Its direction has unit length; its
+    /// time counts from the opening of the shutter, 0, to its closing, 1.
     #[inline]
     pub fn ray(&self, film: [f32; 2], lens: [f32; 2], time: f32) -> Ray {
         let x = self.corner[0] + film[0] * self.extent[0];
@@ -83,13 +106,12 @@ impl Camera {
             direction = Vec3::new(focus.x - lx, focus.y - ly, focus.z);
         }
         let direction = direction.normalized();
-        let [left, up, forward] = self.axes;
+        let view = self.motion.as_ref().map_or(self.view, |motion| View::new(&motion.at(time)));
+        let [left, up, forward] = view.axes;
         let per_depth = 1.0 / direction.z;
-        let origin = self.origin + left * lx + up * ly;
+        let origin = view.origin + left * lx + up * ly;
         let direction = left * direction.x + up * direction.y + forward * direction.z;
-        Ray::new(origin, direction)
-            .between(self.near * per_depth, self.far * per_depth)
-            .at_time(self.shutter[0] + time * (self.shutter[1] - self.shutter[0]))
+        Ray::new(origin, direction).between(self.near * per_depth, self.far * per_depth).at_time(time)
     }
 }
 

@@ -13,7 +13,7 @@ use lichtweg_ray::wide::Row;
 use super::LightSample;
 use crate::bsdf::Frame;
 use crate::color::Spectrum;
-use crate::scene::{Form, QuadricForm, Scene, SurfacePoint, offset};
+use crate::scene::{Form, Place, QuadricForm, Scene, SurfacePoint, offset};
 use crate::texture::{Input, TextureArena};
 
 /// An emitting shape.
@@ -233,6 +233,7 @@ impl AreaLight {
             },
             shape: self.shape,
             primitive: 0,
+            place: Place::WORLD,
         }
     }
 }

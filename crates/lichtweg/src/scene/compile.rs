@@ -1,17 +1,19 @@
 //! From a [`Description`] to a [`Scene`].
 
 use std::f32::consts::{PI, TAU};
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
+use lichtweg_ray::QuadricShape;
 use lichtweg_ray::math::{Bounds3, Vec3};
-use lichtweg_ray::{Accel, BuildOptions, Geometry, Quadric, QuadricShape, TriangleMesh};
 use rayon::prelude::*;
 
 use super::description::{
     Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
     Mesh, ShapeDescription, SpectrumDescription, TextureInput,
 };
+use super::instances::Structures;
 use super::surface::{Form, MeshForm, QuadricForm};
 use super::{MaterialArena, Scene, Shape};
 use crate::color::{Role, Spectrum, luminance, rgb_spectrum};
@@ -39,11 +41,21 @@ impl Scene {
         let forms: Vec<Result<Form, Diagnostic>> = description.shapes.par_iter().map(form).collect();
         let mut shapes = Vec::with_capacity(forms.len());
         let mut lights = Vec::new();
-        for (form, source) in forms.into_iter().zip(&description.shapes) {
+        // Those in the world first, then group by group.
+        let mut sources: Vec<_> = forms.into_iter().zip(&description.shapes).collect();
+        sources.sort_by_key(|(_, source)| source.group.map(|g| g.0));
+        for (form, source) in sources {
             match form {
-                Ok(form) => {
-                    add_shape(form, source, &materials, &textures, &mut shapes, &mut lights, diagnostics)
-                }
+                Ok(form) => add_shape(
+                    form,
+                    source,
+                    description.groups,
+                    &materials,
+                    &textures,
+                    &mut shapes,
+                    &mut lights,
+                    diagnostics,
+                ),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
@@ -53,19 +65,11 @@ impl Scene {
         if diagnostics.has_errors() {
             return None;
         }
-        let geometries: Vec<Geometry> = shapes.iter().map(|s| geometry(&s.form)).collect();
-        let triangles = geometries
-            .iter()
-            .map(|g| if let Geometry::Triangles(mesh) = g { mesh.indices.len() as u64 } else { 0 })
-            .sum();
+        let triangles = shapes.iter().map(|s| s.form.triangles()).sum();
         let seconds = start.elapsed().as_secs_f64();
-        let accel = match Accel::build(geometries, BuildOptions::default()) {
-            Ok(accel) => accel,
-            Err(error) => {
-                diagnostics.push(Diagnostic::error("bad-geometry", error.to_string()));
-                return None;
-            }
-        };
+        let structures = Structures::build(description, &shapes, &group_ranges(description));
+        let Structures { accel, instances, report: hierarchies } =
+            structures.map_err(|fault| diagnostics.push(fault)).ok()?;
         let radius = scene_radius(accel.bounds());
         let powers: Vec<f32> = lights.iter().map(|l| power(l, &shapes, &textures, radius)).collect();
         let environments = (0..lights.len() as u32)
@@ -75,6 +79,8 @@ impl Scene {
             has_holes: shapes.iter().any(|s| s.has_holes),
             selection: LightSelection::new(&powers),
             accel,
+            instances,
+            hierarchies,
             shapes,
             textures,
             materials,
@@ -109,6 +115,24 @@ impl Scene {
             diagnostics.push(Diagnostic::warning("no-shape", "the scene has no shape"));
         }
     }
+}
+
+/// The ranges that the groups have among compiled shapes.
+fn group_ranges(description: &Description) -> Vec<Range<usize>> {
+    let mut counts = vec![0; description.groups as usize];
+    let mut end = 0;
+    for shape in &description.shapes {
+        match shape.group {
+            Some(group) => counts[group.0 as usize] += 1,
+            None => end += 1,
+        }
+    }
+    let following = |count| {
+        let start = end;
+        end += count;
+        start..end
+    };
+    counts.into_iter().map(following).collect()
 }
 
 fn fault(code: &'static str, shape: &ShapeDescription, message: impl Into<String>) -> Diagnostic {
@@ -190,19 +214,10 @@ fn place_mesh(mesh: &Mesh, shape: &ShapeDescription) -> Result<MeshForm, Diagnos
     ))
 }
 
-/// What the ray engine sees of a form.
-fn geometry(form: &Form) -> Geometry {
-    match form {
-        Form::Mesh(mesh) => {
-            Geometry::Triangles(TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()))
-        }
-        Form::Quadric(q) => Geometry::Quadric(Quadric { shape: q.shape, object_to_world: q.to_world }),
-    }
-}
-
 fn add_shape(
     mut form: Form,
     source: &ShapeDescription,
+    groups: u32,
     materials: &MaterialArena,
     textures: &TextureArena,
     shapes: &mut Vec<Shape>,
@@ -213,6 +228,19 @@ fn add_shape(
     if material as usize >= materials.len() {
         diagnostics.push(fault("unknown-material", source, "a shape has a material that does not exist"));
         return;
+    }
+    if let Some(group) = source.group {
+        if group.0 >= groups {
+            return diagnostics.push(fault(
+                "unknown-group",
+                source,
+                "a shape is in a group that does not exist",
+            ));
+        }
+        if source.emission.is_some() {
+            let text = "a shape that instances place, or that moves, cannot emit light";
+            return diagnostics.push(fault("emitting-instance", source, text));
+        }
     }
     let has_holes = materials.has_holes(material);
     let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|mut light| {

@@ -2,6 +2,7 @@
 
 mod compile;
 pub mod description;
+mod instances;
 mod material;
 pub mod offset;
 mod surface;
@@ -17,12 +18,18 @@ pub use compile::CompileReport;
 pub(crate) use material::Diffuse;
 pub use material::{MaterialArena, Scatterer};
 pub(crate) use surface::Facets;
-pub use surface::{Form, MeshForm, QuadricForm, SurfacePoint};
+pub use surface::{Form, MeshForm, Place, QuadricForm, SurfacePoint};
+
+use instances::Instances;
+pub(crate) use instances::on_shutter_clock;
 
 /// A compiled scene: immutable, and shared by all threads.
 #[derive(Debug)]
 pub struct Scene {
     accel: Accel,
+    instances: Instances,
+    hierarchies: BuildReport,
+    /// Those in the world as the ray engine numbers them, then those of groups.
     shapes: Vec<Shape>,
     textures: TextureArena,
     materials: MaterialArena,
@@ -78,10 +85,19 @@ impl Scene {
         self.has_holes
     }
 
-    /// The form of a shape that does nothing but reflect diffusely, and how.
+    /// Whether there are instances: only they move.
     #[inline]
-    pub(crate) fn diffuse(&self, shape: u32) -> Option<(&Form, &Diffuse)> {
-        let shape = &self.shapes[shape as usize];
+    pub(crate) fn has_instances(&self) -> bool {
+        !self.instances.is_empty()
+    }
+
+    /// The form of a shape in the world that does nothing but reflect diffusely, and how.
+    #[inline]
+    pub(crate) fn diffuse(&self, hit: &Hit) -> Option<(&Form, &Diffuse)> {
+        if hit.is_instanced() {
+            return None;
+        }
+        let shape = &self.shapes[hit.geometry as usize];
         Some((&shape.form, shape.diffuse.as_ref()?))
     }
 
@@ -129,9 +145,9 @@ impl Scene {
         &self.report
     }
 
-    /// What building the ray hierarchy took and found.
+    /// What building the ray hierarchies took and found.
     pub fn build_report(&self) -> &BuildReport {
-        self.accel.report()
+        &self.hierarchies
     }
 
     /// Bounds of all shapes.
@@ -167,9 +183,8 @@ impl Scene {
         counts: &mut RayCounts,
         u: impl FnMut() -> f32,
     ) -> Option<SurfacePoint> {
-        let shape = &self.shapes[hit.geometry as usize];
-        let point = shape.form.hit_point(ray, hit);
-        if shape.has_holes {
+        let point = self.hit_point(ray, hit);
+        if self.shapes[point.shape as usize].has_holes {
             return self.intersect_behind_holes(ray, point, hit.t, counts, u);
         }
         Some(point)
@@ -193,7 +208,7 @@ impl Scene {
             ray = behind(&ray, &point, t);
             counts.closest += 1;
             let hit = self.accel.closest(&ray)?;
-            point = self.form(hit.geometry).hit_point(&ray, &hit);
+            point = self.hit_point(&ray, &hit);
             t = hit.t;
         }
         None
@@ -216,11 +231,10 @@ impl Scene {
         for _ in 0..=MAX_HOLES {
             counts.occlusion += 1;
             let Some(hit) = self.accel.closest(&ray) else { return transmittance };
-            let shape = &self.shapes[hit.geometry as usize];
-            if !shape.has_holes {
+            let point = self.hit_point(&ray, &hit);
+            if !self.shapes[point.shape as usize].has_holes {
                 return 0.0;
             }
-            let point = shape.form.hit_point(&ray, &hit);
             transmittance *= 1.0 - self.opacity_at(&point, -ray.direction);
             if transmittance == 0.0 {
                 return 0.0;
@@ -241,7 +255,7 @@ impl Scene {
     #[inline]
     pub fn scatterer(&self, point: &SurfacePoint, wo: Vec3) -> Scatterer<'_> {
         let shape = &self.shapes[point.shape as usize];
-        self.materials.scatterer(shape.material, point, wo, &shape.form, &self.textures)
+        self.materials.scatterer(shape.material, point, wo, || self.partials(point), &self.textures)
     }
 
     /// The area light that a point lies on, and its index.

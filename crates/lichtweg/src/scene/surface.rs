@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Vec2, Vec3};
 use lichtweg_ray::wide::{Float, LANES, Row};
-use lichtweg_ray::{Hit, QuadricShape, Ray};
+use lichtweg_ray::{Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
 use super::offset::{offset, position_error};
 
@@ -25,6 +25,22 @@ pub struct SurfacePoint {
     pub shape: u32,
     /// The triangle, in a mesh.
     pub primitive: u32,
+    /// The instance.
+    pub place: Place,
+}
+
+/// The space that a surface point's form is in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The instance, or [`Place::WORLD`]'s.
+    pub instance: u32,
+    /// When, for instances that move.
+    pub time: f32,
+}
+
+impl Place {
+    /// No instance: the form is in the world.
+    pub const WORLD: Self = Self { instance: u32::MAX, time: 0.0 };
 }
 
 impl SurfacePoint {
@@ -190,6 +206,7 @@ impl MeshForm {
             uv,
             shape,
             primitive,
+            place: Place::WORLD,
         }
     }
 
@@ -273,6 +290,7 @@ impl QuadricForm {
             uv,
             shape,
             primitive: 0,
+            place: Place::WORLD,
         }
     }
 
@@ -318,6 +336,22 @@ impl QuadricForm {
 }
 
 impl Form {
+    /// What the ray engine sees of it.
+    pub(super) fn geometry(&self) -> Geometry {
+        match self {
+            Self::Mesh(mesh) => TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()).into(),
+            Self::Quadric(q) => Quadric { shape: q.shape, object_to_world: q.to_world }.into(),
+        }
+    }
+
+    /// Number of triangles.
+    pub(super) fn triangles(&self) -> u64 {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len() as u64,
+            Self::Quadric(_) => 0,
+        }
+    }
+
     /// The point that a ray hit.
     #[inline(always)]
     pub fn hit_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {

@@ -60,6 +60,7 @@ impl Build for Description {
             flip_normals: false,
             material,
             emission: None,
+            group: None,
         });
         self.shapes.last_mut().expect("just pushed")
     }

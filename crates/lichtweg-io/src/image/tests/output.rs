@@ -93,6 +93,23 @@ fn png_keeps_grey_and_linear_alpha() {
 }
 
 #[test]
+fn jpeg_is_tone_mapped_and_drops_alpha() {
+    let scratch = Scratch::new("jpeg");
+    let linear = 0.5_f32.powf(2.2);
+    for (channels, kept) in
+        [(&["Y"][..], 1), (&["Y", "A"], 1), (&["R", "G", "B"], 3), (&["R", "G", "B", "A"], 3)]
+    {
+        let image = with_beauty(16, 16, channels, vec![linear; 256 * channels.len()]);
+        let path = scratch.file("image.jpg");
+        write_image(&path, &image, &ToneMap::default()).unwrap();
+        let loaded = read_image(&path).unwrap();
+        assert_eq!((loaded.image.width, loaded.image.channels), (16, kept));
+        // Half of 255, within what the compression loses on an even colour.
+        assert!(numbers(&loaded.image).iter().all(|n| (n - 127.5).abs() < 3.0), "{channels:?}");
+    }
+}
+
+#[test]
 fn float_formats_drop_alpha_and_other_layers() {
     let scratch = Scratch::new("alpha-float");
     let mut image = with_beauty(1, 2, &["R", "G", "B", "A"], vec![1.0, 2.0, 4.0, 0.5, 8.0, 16.0, 32.0, 0.5]);

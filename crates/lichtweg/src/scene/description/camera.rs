@@ -1,6 +1,8 @@
 //! The eye and the image it takes.
 
-use lichtweg_ray::math::Affine;
+use std::sync::Arc;
+
+use lichtweg_ray::math::{Affine, Motion};
 
 use super::Span;
 
@@ -11,6 +13,8 @@ pub struct CameraDescription {
     pub span: Span,
     /// From camera space (looking along +z, +y up, +x to the left) to the world.
     pub to_world: Affine,
+    /// In place of `to_world` where the camera moves, over times on the clock of the shutter.
+    pub motion: Option<Arc<Motion>>,
     /// What it sees.
     pub field_of_view: FieldOfView,
     /// Shift of the principal point as fractions of the film's width and height.
@@ -32,6 +36,7 @@ impl Default for CameraDescription {
         Self {
             span: Span::default(),
             to_world: Affine::IDENTITY,
+            motion: None,
             field_of_view: FieldOfView::Angle { degrees: 50.0, axis: FovAxis::X },
             principal_point_offset: [0.0; 2],
             aperture_radius: 0.0,

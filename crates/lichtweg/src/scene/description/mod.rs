@@ -23,7 +23,10 @@ pub use integrator::{
 };
 pub use light::{EnvironmentMapping, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialId, MaterialKind, MicrofacetKind, RoughnessDescription};
-pub use shape::{AreaLightDescription, EmissionScale, GeometryDescription, Mesh, ShapeDescription};
+pub use shape::{
+    AreaLightDescription, EmissionScale, GeometryDescription, GroupId, InstanceDescription, Mesh,
+    ShapeDescription,
+};
 pub use spectrum::{ConductorQuantity, SpectrumDescription};
 pub use texture::{
     Image, Pixels, TextureDescription, TextureFilter, TextureId, TextureInput, TextureKind, UvTransform,
@@ -49,6 +52,10 @@ pub struct Description {
     pub materials: Vec<MaterialDescription>,
     /// Shapes, with their area lights.
     pub shapes: Vec<ShapeDescription>,
+    /// Number of groups of shapes, referred to by [`GroupId`].
+    pub groups: u32,
+    /// Groups placed in the world.
+    pub instances: Vec<InstanceDescription>,
     /// Lights that are no shape.
     pub lights: Vec<LightDescription>,
 }
@@ -64,5 +71,11 @@ impl Description {
     pub fn add_material(&mut self, material: MaterialDescription) -> MaterialId {
         self.materials.push(material);
         MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a group, empty as yet.
+    pub fn add_group(&mut self) -> GroupId {
+        self.groups += 1;
+        GroupId(self.groups - 1)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Vec2, Vec3};
 
 use super::{MaterialId, Span, TextureInput};
@@ -21,8 +22,25 @@ pub struct ShapeDescription {
     pub flip_normals: bool,
     /// What it is made of.
     pub material: MaterialId,
-    /// What it emits.
+    /// What it emits; nothing where it belongs to a group.
     pub emission: Option<AreaLightDescription>,
+    /// The group it belongs to: it is then placed with the instances of that, and not by itself.
+    pub group: Option<GroupId>,
+}
+
+/// Names a group of shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GroupId(pub u32);
+
+/// A group of shapes, placed in the world: any number of instances share its memory.
+#[derive(Clone, Debug)]
+pub struct InstanceDescription {
+    /// Where it was stated.
+    pub span: Span,
+    /// The shapes.
+    pub group: GroupId,
+    /// From the space of the group to the world, over times on the clock of the camera's shutter.
+    pub to_world: Placement,
 }
 
 /// The form of a shape. The side the normal points to is the outside; a mirroring `to_world` keeps it so.

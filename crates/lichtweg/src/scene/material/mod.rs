@@ -8,7 +8,7 @@ mod tangents;
 use lichtweg_ray::math::{Vec2, Vec3};
 
 use super::description::{Diagnostics, MaterialDescription};
-use super::surface::{Form, SurfacePoint};
+use super::surface::SurfacePoint;
 use crate::bsdf::{
     Bsdf, Diffuse as DiffuseBsdf, Frame, MicrofacetKind, Microfacets, RoughConductor, RoughDielectric,
     RoughPlastic, RoughTransmittanceTable, SmoothConductor, SmoothDielectric, SmoothPlastic, ThinDielectric,
@@ -162,17 +162,18 @@ impl MaterialArena {
         }
     }
 
-    /// What scatters at a point that is looked at from the direction `wo`.
+    /// What scatters at a point that is looked at from the direction `wo`; `partials` gives the derivatives of the
+    /// position with respect to the surface coordinates.
     #[inline]
     pub fn scatterer<'a>(
         &'a self,
         material: u32,
         point: &SurfacePoint,
         wo: Vec3,
-        form: &Form,
+        partials: impl Fn() -> Option<[Vec3; 2]>,
         textures: &TextureArena,
     ) -> Scatterer<'a> {
-        let mut tangents = Tangents::new(form, point);
+        let mut tangents = Tangents::new(partials);
         let mut normal = point.shading_normal;
         let mut untilted = None;
         let mut mirrored = false;

@@ -3,22 +3,21 @@
 use lichtweg_ray::math::{Vec2, Vec3};
 
 use crate::bsdf::Frame;
-use crate::scene::surface::{Form, SurfacePoint};
 
 /// Surface tangents at a point, computed when first needed.
-pub(super) struct Tangents<'a> {
-    form: &'a Form,
-    point: &'a SurfacePoint,
+pub(super) struct Tangents<F> {
+    compute: F,
     partials: Option<Option<[Vec3; 2]>>,
 }
 
-impl<'a> Tangents<'a> {
-    pub fn new(form: &'a Form, point: &'a SurfacePoint) -> Self {
-        Self { form, point, partials: None }
+impl<F: Fn() -> Option<[Vec3; 2]>> Tangents<F> {
+    /// From what computes the derivatives of the position with respect to the surface coordinates.
+    pub fn new(compute: F) -> Self {
+        Self { compute, partials: None }
     }
 
     fn partials(&mut self) -> Option<[Vec3; 2]> {
-        *self.partials.get_or_insert_with(|| self.form.partials(self.point))
+        *self.partials.get_or_insert_with(&self.compute)
     }
 
     /// The frame about `normal` whose tangent follows dp/du.

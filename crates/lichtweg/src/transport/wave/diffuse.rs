@@ -122,7 +122,7 @@ impl<O: PathObserver> Step<'_, O> {
         let mut normals = [Lanes::splat(0.0); 3];
         for lane in lanes_of(active) {
             let Some(hit) = hits.get(lane) else { continue };
-            let Some((Form::Mesh(mesh), diffuse)) = self.scene.diffuse(hit.geometry) else { continue };
+            let Some((Form::Mesh(mesh), diffuse)) = self.scene.diffuse(&hit) else { continue };
             fast |= 1 << lane;
             facets[lane] = mesh.row(hit.primitive);
             materials[lane] = Some(diffuse);

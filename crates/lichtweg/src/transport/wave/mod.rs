@@ -99,6 +99,7 @@ impl PathTracer {
         counts: &mut WalkCounts,
         observer: &mut impl PathObserver,
     ) {
+        wave.paths.timed &= scene.has_instances();
         wave.walks.keep_order();
         for depth in 1..=self.max_depth() {
             if wave.walks.len() == 0 {

@@ -28,7 +28,7 @@ pub(super) struct Paths {
     pub index: Box<[u32]>,
     pub eta: Box<[f32]>,
     pub time: Box<[f32]>,
-    /// Whether any time is not zero.
+    /// Whether times are not all zero, and matter.
     pub timed: bool,
 }
 

@@ -1,0 +1,208 @@
+//! `lichtweg radiosity`: the rendering equation of a diffuse scene as a linear system, solved by walks or without, and
+//! looked at. The bridge between the renderer and `lichtweg solve`.
+
+mod patches;
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use lichtweg::camera::Camera;
+use lichtweg::scene::Scene;
+use lichtweg::scene::description::Description;
+use lichtweg_io::image::{Layer, OutputImage, ToneMap, write_image};
+use lichtweg_io::scene_file::SceneLocation;
+use lichtweg_montecarlo::{Sampler, SamplerKind};
+use lichtweg_walk::stopping::Goal;
+use lichtweg_walk::{Functional, Method, Options, Solver, System};
+use rayon::prelude::*;
+
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::load::{Loader, ReadArgs, location_parser};
+use crate::solve::write_text;
+use crate::text::{count, seconds};
+use patches::Patches;
+
+const EXAMPLES: &str = "\
+Examples:
+  lichtweg radiosity builtin:cornell-box -o box.png
+  lichtweg radiosity scene.xml -o out.exr --patch 0.05 --rays 4096
+  lichtweg radiosity builtin:cornell-box -o walks.png --method adjoint --tolerance 0.05
+  lichtweg radiosity builtin:cornell-box --system box    write box-M.mtx and box-b.mtx (green), for `lichtweg solve`";
+
+/// Solve a diffuse scene as a linear system, by walks or without
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct RadiosityArgs {
+    /// Scene file (.xml, .pbrt, .pbrt.gz) or builtin:NAME, of triangles
+    #[arg(value_parser = location_parser())]
+    scene: SceneLocation,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    /// Image to write: .exr, .png, .hdr or .pfm
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Write the system of the green channel as NAME-M.mtx and NAME-b.mtx
+    #[arg(long, value_name = "NAME")]
+    system: Option<String>,
+
+    /// Length of a patch's edges, as a fraction of the scene's diagonal
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.04)]
+    patch: f32,
+
+    /// Rays from each patch for its form factors
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    rays: u32,
+
+    /// How: deterministic, sequential, or any other method of `lichtweg solve`, patch by patch
+    #[arg(long, value_name = "METHOD", default_value = "deterministic", value_parser = crate::solve::method)]
+    method: Method,
+
+    /// Relative half width of the 95 % interval of each patch
+    #[arg(long, value_name = "REL", default_value_t = 0.02, value_parser = crate::solve::positive)]
+    tolerance: f64,
+
+    /// Rays for each pixel
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    spp: u32,
+
+    /// Seed of form factors and walks
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Solves, and writes what was asked for.
+pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
+    if args.output.is_none() && args.system.is_none() {
+        return Err(Failure::Usage(
+            "nothing to write: -o FILE for an image, --system NAME for the system".into(),
+        ));
+    }
+    if !(args.patch > 0.0 && args.patch.is_finite()) {
+        return Err(Failure::Usage("--patch has to be above 0".to_owned()));
+    }
+    let console = Console::new(args.quiet);
+    let mut loader = Loader::new(&args.scene, false, console);
+    let Some(description) = loader.read(&args.read.options()) else { return Err(loader.fail()) };
+    let Some(scene) = Scene::compile(&description, &mut loader.diagnostics) else {
+        return Err(loader.fail());
+    };
+    let (width, height) = (description.film.width, description.film.height);
+    let camera = Camera::compile(&description.camera, width, height, &mut loader.diagnostics);
+    let Some(camera) = camera else { return Err(loader.fail()) };
+    loader.show();
+
+    let bounds = scene.bounds();
+    let diagonal = (bounds.max - bounds.min).length_squared().sqrt();
+    let patches = Patches::new(&scene, args.patch * diagonal).map_err(Failure::Failed)?;
+    let form_factors = console.stage("form factors", || patches.form_factors(&scene, args.rays, args.seed));
+    console.say(&format!(
+        "{} patches, {} form factors",
+        count(patches.len() as u64),
+        count(form_factors.entries() as u64)
+    ));
+    let systems = [0, 1, 2].map(|channel| patches.system(&form_factors, channel));
+    let systems: Vec<System> = systems.into_iter().collect::<Result<_, _>>().map_err(Failure::Failed)?;
+    if let Some(name) = &args.system {
+        write_system(name, &systems[1])?;
+        console.say(&format!("wrote {name}-M.mtx and {name}-b.mtx: lichtweg solve {name}-M.mtx -b {name}-b.mtx --problem fixed-point -u 1"));
+    }
+    if let Some(path) = &args.output {
+        let began = Instant::now();
+        let radiosity: Vec<Vec<f64>> = console.stage("solving", || {
+            systems.iter().map(|system| solve(system, args)).collect::<Result<_, _>>()
+        })?;
+        console.say(&format!(
+            "solved by {} in {}",
+            args.method.name(),
+            seconds(began.elapsed().as_secs_f64())
+        ));
+        let image = view(&patches, &radiosity, &camera, &description, args);
+        write(path, image)?;
+        console.say(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+/// All unknowns of one channel, at once or one by one.
+fn solve(system: &System, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
+    let options = Options {
+        method: args.method,
+        // Patches that no light reaches are never known relatively.
+        goal: Goal {
+            relative: args.tolerance,
+            absolute: 1e-3 * args.tolerance * largest(system),
+            confidence: 0.95,
+        },
+        seed: args.seed,
+        ..Options::default()
+    };
+    let solver = Solver::new(system);
+    let one = |i| {
+        solver.solve(&Functional::Unknown(i), &options).map_err(|error| Failure::Failed(error.to_string()))
+    };
+    let first = one(0)?;
+    match first.x {
+        Some(x) => Ok(x),
+        None => (0..system.unknowns()).map(|i| Ok(one(i)?.value)).collect(),
+    }
+}
+
+fn largest(system: &System) -> f64 {
+    system.source().iter().copied().fold(0.0, f64::max)
+}
+
+/// Radiance seen by the camera, three numbers a pixel.
+fn view(
+    patches: &Patches,
+    radiosity: &[Vec<f64>],
+    camera: &Camera,
+    description: &Description,
+    args: &RadiosityArgs,
+) -> OutputImage {
+    let (width, height) = (description.film.width, description.film.height);
+    let pixel = |index: u32| {
+        let mut sum = [0.0_f64; 3];
+        for sample in 0..args.spp {
+            let mut sampler = Sampler::new(SamplerKind::Sobol, args.seed, u64::from(index), sample);
+            let [x, y] = sampler.next_2d();
+            let film =
+                [((index % width) as f32 + x) / width as f32, ((index / width) as f32 + y) / height as f32];
+            if let Some(patch) = patches.seen(&camera.ray(film, sampler.next_2d(), 0.0)) {
+                sum.iter_mut().zip(radiosity).for_each(|(sum, b)| *sum += b[patch as usize]);
+            }
+        }
+        let scale = f64::from(description.film.scale) / (std::f64::consts::PI * f64::from(args.spp));
+        sum.map(|sum| (sum * scale) as f32)
+    };
+    let data: Vec<[f32; 3]> = (0..width * height).into_par_iter().map(pixel).collect();
+    let channels = ["R", "G", "B"].map(str::to_owned).to_vec();
+    let layer = Layer { name: String::new(), channels, data: data.into_iter().flatten().collect() };
+    OutputImage { layers: vec![layer], ..OutputImage::new(width, height) }
+}
+
+fn write(path: &Path, image: OutputImage) -> Result<(), Failure> {
+    write_image(path, &image, &ToneMap::default())
+        .map_err(|error| Failure::Failed(format!("{error}\n = help: {}", error.help)))
+}
+
+fn write_system(name: &str, system: &System) -> Result<(), Failure> {
+    let matrix = system.matrix();
+    let n = matrix.rows();
+    let mut text = format!("%%MatrixMarket matrix coordinate real general\n{n} {n} {}\n", matrix.entries());
+    for (i, j, value) in matrix.triplets() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{} {} {value:e}", i + 1, j + 1);
+    }
+    write_text(Path::new(&format!("{name}-M.mtx")), &text)?;
+    crate::solve::write_vector(Path::new(&format!("{name}-b.mtx")), system.source())
+}

@@ -1,0 +1,145 @@
+//! `lichtweg solve` and `lichtweg radiosity`.
+
+use crate::common::{Workplace, text};
+use lichtweg_io::image::read_exr_layers;
+use serde_json::Value;
+
+/// 4 on the diagonal, -1 beside it; with the right side of x = (1, 2, 3).
+const MATRIX: &str =
+    "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 4\n2 1 -1\n2 2 4\n3 2 -1\n3 3 4\n";
+const RIGHT_SIDE: &str = "2\n4\n10\n";
+
+fn place() -> Workplace {
+    let place = Workplace::new();
+    for (name, content) in
+        [("A.mtx", MATRIX), ("b.txt", RIGHT_SIDE), ("graph.txt", "# graph\n10 20\n20 10\n20 30\n")]
+    {
+        std::fs::write(place.path(name), content).unwrap();
+    }
+    place
+}
+
+fn answers(place: &Workplace, arguments: &[&str]) -> Vec<Value> {
+    let output = place.run(&[&["solve", "--json"], arguments].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    json["answers"].as_array().unwrap().clone()
+}
+
+#[test]
+fn every_method_finds_the_unknowns() {
+    let place = place();
+    for method in
+        ["auto", "adjoint", "forward", "push", "bidirectional", "push-walk", "sequential", "deterministic"]
+    {
+        let found = answers(
+            &place,
+            &["A.mtx", "-b", "b.txt", "-u", "1,3", "--confidence", "99.99%", "--method", method],
+        );
+        for (answer, exact) in found.iter().zip([1.0, 3.0]) {
+            let [value, half_width] = ["value", "half_width"].map(|key| answer[key].as_f64().unwrap());
+            assert!((value - exact).abs() <= half_width + 1e-9, "{method}: {answer}");
+        }
+    }
+}
+
+#[test]
+fn the_answer_is_told_with_its_interval_and_reason() {
+    let place = place();
+    let told = text(
+        &place.run(&["solve", "A.mtx", "-b", "b.txt", "-u", "2", "--method", "adjoint", "--neumann"]).stdout,
+    );
+    for expected in
+        ["x[2] = ", " +- ", "(95 %)", "adjoint: as asked for", "walks", "steps", "rho(|M|) <=", "Neumann"]
+    {
+        assert!(told.contains(expected), "{expected}: {told}");
+    }
+}
+
+#[test]
+fn all_unknowns_are_written() {
+    let place = place();
+    let told =
+        place.succeed(&["solve", "A.mtx", "-b", "b.txt", "--all", "--tolerance", "1e-9", "--write", "x.mtx"]);
+    assert!(told.contains("right tool"), "{told}");
+    let x = std::fs::read_to_string(place.path("x.mtx")).unwrap();
+    let numbers: Vec<f64> = x.lines().skip(2).map(|line| line.parse().unwrap()).collect();
+    assert!(numbers.iter().zip([1.0, 2.0, 3.0]).all(|(x, exact)| (x - exact).abs() < 1e-7), "{x}");
+}
+
+#[test]
+fn graphs_go_by_their_ids() {
+    let place = place();
+    let found = answers(&place, &["graph.txt", "--start", "20", "-u", "30", "--tolerance", "1e-4"]);
+    // x20 = 0.15 + 0.85 (x10 + x30), x10 = x30 = 0.425 x20.
+    let exact = 0.425 * 0.15 / (1.0 - 0.85 * 0.85);
+    assert!((found[0]["value"].as_f64().unwrap() / exact - 1.0).abs() < 3e-4, "{found:?} {exact}");
+    assert!(place.fail(2, &["solve", "graph.txt", "-u", "11"]).contains("no unknown 11 in the graph"));
+}
+
+#[test]
+fn what_cannot_be_solved_is_told() {
+    let place = place();
+    std::fs::write(place.path("bad.mtx"), "%%MatrixMarket matrix coordinate real general\n1 1 1\n2 1 1\n")
+        .unwrap();
+    std::fs::write(
+        place.path("large.mtx"),
+        "%%MatrixMarket matrix coordinate real general\n2 2 4\n1 1 1\n1 2 2\n2 1 3\n2 2 1\n",
+    )
+    .unwrap();
+    for (code, arguments, expected) in [
+        (2, &["A.mtx", "-u", "1"][..], "the right side is missing"),
+        (2, &["A.mtx", "-b", "b.txt"], "which unknown?"),
+        (2, &["A.mtx", "-b", "b.txt", "-u", "4"], "counted from 1 to 3"),
+        (2, &["A.mtx", "-b", "b.txt", "-u", "1", "--method", "magic"], "one of auto, adjoint"),
+        (1, &["bad.mtx", "-b", "ones", "-u", "1"], "bad.mtx:3: row 2 is not in 1 to 1"),
+        (1, &["none.mtx", "-b", "ones", "-u", "1"], "none.mtx"),
+        (1, &["large.mtx", "-b", "ones", "-u", "1"], "rho(|M|)"),
+    ] {
+        let told = place.fail(code, &[&["solve"], arguments].concat());
+        assert!(told.contains(expected), "{arguments:?}: {told}");
+    }
+}
+
+#[test]
+fn particles_are_shown_on_a_page() {
+    let place = place();
+    place.succeed(&["solve", "A.mtx", "-b", "b.txt", "--animate", "page.html"]);
+    let page = std::fs::read_to_string(place.path("page.html")).unwrap();
+    assert!(page.contains("\"equilibrium\":[") && !page.contains("\"DATA\""));
+}
+
+/// A cube of albedo 1/2 that glows inside: radiance Le / (1 - 1/2) wherever one looks.
+#[test]
+fn radiosity_of_an_enclosure_is_known() {
+    let cube = r#"<scene version="3.0.0">
+        <sensor type="perspective">
+            <transform name="to_world"><lookat origin="0,0,0" target="0.3,0.2,1" up="0,1,0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+        </sensor>
+        <shape type="cube">
+            <boolean name="flip_normals" value="true"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="1"/></emitter>
+        </shape>
+    </scene>"#;
+    let place = Workplace::with(cube);
+    for method in ["deterministic", "sequential", "adjoint", "auto"] {
+        place.succeed(&[
+            "radiosity",
+            "scene.xml",
+            "-o",
+            "out.exr",
+            "--patch",
+            "0.2",
+            "--rays",
+            "256",
+            "--method",
+            method,
+        ]);
+        let image = read_exr_layers(&place.path("out.exr")).unwrap();
+        for (name, data) in &image.channels {
+            assert!(data.iter().all(|l| (l - 2.0).abs() < 0.1), "{method} {name}: {data:?}");
+        }
+    }
+}

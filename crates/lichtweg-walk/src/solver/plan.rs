@@ -1,0 +1,284 @@
+//! The planner: what each method would cost, by pilots of a few walks and a fixed model of the machine.
+//!
+//! It pushes from the unknown in stages, each as large as all before. After each stage short pilots say what it would take to
+//! walk from there to the goal: onward from what is left, or from the source vector into it. It goes on pushing while that
+//! pays: while a stage saves more walking than it cost. Before the first stage this is plain adjoint or forward walks; if
+//! the proven bound gets small enough first, it is push alone. Meanwhile the deterministic solver competes with an estimate
+//! of its iterations. The model is in nanoseconds but does not look at a clock, so that the choice depends on the system, the
+//! goal and the seed alone.
+
+use super::{Answer, Cost, Method, Options, PILOT_SEED, Refusal, Solver, interval};
+use crate::push::Push;
+use crate::stopping::{FEWEST, Goal, walks_needed};
+
+/// Nanoseconds of a transition where rows come from the cache, and where they do not.
+const NEAR_STEP: f64 = 27.0;
+const FAR_STEP: f64 = 80.0;
+/// Nanoseconds to create a walk.
+const CREATION: f64 = 40.0;
+/// Nanoseconds for each entry that is pushed.
+const PUSHED: f64 = 4.0;
+/// Nanoseconds for each entry of a matrix in a product, and for each unknown of a Krylov step.
+const PRODUCT_ENTRY: f64 = 1.0;
+const KRYLOV_UNKNOWN: f64 = 10.0;
+/// Nanoseconds for each entry to make the transpose.
+const TRANSPOSED: f64 = 12.0;
+/// Operations of the first stage of pushing.
+const FIRST_STAGE: u64 = 1 << 15;
+/// Steps that pilots may take, about: before the first stage, and later.
+const FIRST_PILOT: f64 = 3_000.0;
+const PILOT: f64 = 30_000.0;
+/// Walks of a pilot.
+const PILOT_WALKS: (u64, u64) = (32, 512);
+
+impl Solver<'_> {
+    /// Finds a number by what promises to be cheapest.
+    pub(super) fn plan(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
+        self.check_convergence()?;
+        let deterministic = self.deterministic_cost(&options.goal);
+        let mut push = Push::new(self.system.matrix(), target.iter().copied());
+        let mut costs = vec![Cost { method: Method::Deterministic, seconds: deterministic * 1e-9 }];
+        let mut stage = self.stage(&push, target, options, FIRST_PILOT)?;
+        note(&mut costs, &stage, false);
+        let mut stage_operations = FIRST_STAGE;
+        let (mut operations, mut half_width) = (0, self.pushed(&push).1);
+        let (mut pays, mut steps) = (true, stage.steps);
+        while pays && PUSHED * (operations as f64) < stage.cheapest().min(deterministic) {
+            if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
+                let why = format!(
+                    "its proven bound got small enough after {} pushes; a deterministic solver would take about {}",
+                    push.pushes(),
+                    time(deterministic)
+                );
+                return Ok(Answer { why, costs, steps, ..answer });
+            }
+            let (value, next_half_width) = self.pushed(&push);
+            let used = push.operations() - operations;
+            if used == 0 {
+                break;
+            }
+            // If the bound went on to fall as in this stage.
+            let goal = options.goal.half_width(value);
+            let left = used as f64 * (next_half_width / goal).ln() / (half_width / next_half_width).ln();
+            (operations, half_width) = (push.operations(), next_half_width);
+            stage_operations = operations;
+            if 1.5 * PUSHED * left < stage.least.min(deterministic) {
+                // Walks could not even begin to count before that.
+                continue;
+            }
+            let next = self.stage(&push, target, options, PILOT)?;
+            note(&mut costs, &next, true);
+            pays = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            steps += next.steps;
+            stage = next;
+        }
+        if stage.cheapest() <= deterministic {
+            let answer = self.walk_on(&push, target, &stage, costs, options)?;
+            return Ok(Answer { steps: answer.steps + steps, ..answer });
+        }
+        let answer = self.deterministic(target, &options.goal)?;
+        let why = format!(
+            "walks would take about {}, a deterministic solver about {} ({})",
+            time(stage.cheapest()),
+            time(deterministic),
+            answer.why.trim_start_matches("as asked for: ")
+        );
+        Ok(Answer { why, costs, steps, ..answer })
+    }
+
+    /// Push, then walks, as asked for.
+    pub(super) fn push_and_walk(
+        &self,
+        method: Method,
+        target: &[(usize, f64)],
+        options: &Options,
+    ) -> Result<Answer, Refusal> {
+        self.check_convergence()?;
+        let forward = method == Method::Bidirectional;
+        let mut push = Push::new(self.system.matrix(), target.iter().copied());
+        let mut stage_operations = FIRST_STAGE;
+        let (mut cost, mut spent) = (f64::INFINITY, 0.0);
+        // As long as a stage saves more walking than it costs.
+        loop {
+            let next = self.walk_cost(forward, &push, target, options, PILOT)?.all;
+            let stage = PUSHED * push.operations() as f64 - spent;
+            if (push.pushes() > 0 && next.is_finite() && cost - next <= stage)
+                || !push.round(stage_operations)
+            {
+                break;
+            }
+            (cost, spent) = (next, spent + stage);
+            stage_operations = push.operations().max(FIRST_STAGE);
+        }
+        let side = self.side(forward, target, Some(&push), options)?;
+        self.walk_side(method, side.as_ref(), push.value(self.system.source()), push.operations(), options)
+    }
+
+    /// Walks from where pushing ended.
+    fn walk_on(
+        &self,
+        push: &Push<'_>,
+        target: &[(usize, f64)],
+        stage: &Stage,
+        costs: Vec<Cost>,
+        options: &Options,
+    ) -> Result<Answer, Refusal> {
+        let forward = stage.forward < stage.adjoint;
+        let pushed = push.pushes() > 0;
+        let method = named(forward, pushed);
+        let side = self.side(forward, target, pushed.then_some(push), options)?;
+        let offset = push.value(self.system.source());
+        let answer = self.walk_side(method, side.as_ref(), offset, push.operations(), options)?;
+        let rival =
+            costs.iter().filter(|cost| cost.method != method).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let against = rival.map_or(String::new(), |rival| {
+            format!("; next would be {} with {}", rival.method.name(), time(rival.seconds * 1e9))
+        });
+        let why = format!("expected to take about {}{against}", time(stage.cheapest()));
+        Ok(Answer { why, costs, ..answer })
+    }
+
+    /// What walks would cost from here.
+    fn stage(
+        &self,
+        push: &Push<'_>,
+        target: &[(usize, f64)],
+        options: &Options,
+        pilot: f64,
+    ) -> Result<Stage, Refusal> {
+        let system = self.system;
+        // Asked for as late as possible: the columns cost a pass over the matrix.
+        let rows = self.proof.rows_contract(system);
+        let columns = || self.proof.columns_contract(system);
+        // Where rows sum to more than one, the adjoint direction needs a certificate first, whose products cost a lot.
+        let adjoint = if rows || !columns() {
+            self.walk_cost(false, push, target, options, pilot)?
+        } else {
+            WalkCost::NEVER
+        };
+        let concentrated = system.summary().sources <= system.unknowns() / 8
+            || system.unknowns() <= 4096
+            || system.has_transposed();
+        let making =
+            if system.has_transposed() { 0.0 } else { TRANSPOSED * system.matrix().entries() as f64 };
+        let forward = if concentrated && making < adjoint.all && (!rows || columns()) {
+            self.walk_cost(true, push, target, options, pilot)?
+        } else {
+            WalkCost::NEVER
+        };
+        Ok(Stage {
+            adjoint: adjoint.all,
+            forward: making + forward.all,
+            least: adjoint.least.min(making + forward.least),
+            steps: adjoint.steps + forward.steps,
+        })
+    }
+
+    /// What walks to the goal would take, by a pilot of about `steps`.
+    fn walk_cost(
+        &self,
+        forward: bool,
+        push: &Push<'_>,
+        target: &[(usize, f64)],
+        options: &Options,
+        steps: f64,
+    ) -> Result<WalkCost, Refusal> {
+        let push = (push.pushes() > 0).then_some(push);
+        let Some(side) = self.side(forward, target, push, options)? else {
+            return Ok(WalkCost { all: 0.0, least: 0.0, steps: 0 });
+        };
+        let kernel = side.kernel(options);
+        let walker = side.walker(&kernel, options)?;
+        let mut pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
+        let more = (steps / (1.0 + pilot.steps_per_walk())) as u64;
+        if more > PILOT_WALKS.0 {
+            pilot.merge(&walker.tally(options.seed ^ PILOT_SEED, PILOT_WALKS.0, more.min(PILOT_WALKS.1))?);
+        }
+        // Walks that start all over a large system miss the cache at each transition.
+        let far = forward && self.system.matrix().entries() > 1 << 18;
+        let per_walk = CREATION + if far { FAR_STEP } else { NEAR_STEP } * pilot.steps_per_walk();
+        let least = FEWEST as f64 * per_walk;
+        if pilot.nonzero == 0 {
+            return Ok(WalkCost { all: f64::INFINITY, least, steps: pilot.steps });
+        }
+        let offset = push.map_or(0.0, |push| push.value(self.system.source()));
+        let alpha = 1.0 - options.goal.confidence;
+        let walks = walks_needed(&pilot, offset, &options.goal, interval(&side, options)?, alpha).max(FEWEST);
+        Ok(WalkCost { all: walks as f64 * per_walk, least, steps: pilot.steps })
+    }
+
+    /// Nanoseconds of a Krylov solver: its iterations by the condition that rho allows.
+    fn deterministic_cost(&self, goal: &Goal) -> f64 {
+        let radius = self.radius();
+        let rho = radius.estimate.clamp(0.0, 1.0 - 1e-7);
+        let condition = (1.0 + rho) / (1.0 - rho);
+        let digits = (2.0 / goal.relative.max(1e-15)).ln().max(1.0);
+        let symmetric = self.system.as_linear().is_some();
+        let products = 0.5 * condition.sqrt() * digits * if symmetric { 1.0 } else { 2.0 };
+        let matrix = self.system.matrix();
+        (2.0 + products) * (PRODUCT_ENTRY * matrix.entries() as f64 + KRYLOV_UNKNOWN * matrix.rows() as f64)
+    }
+}
+
+/// Expected nanoseconds of walks in one direction.
+#[derive(Clone, Copy, Debug)]
+struct WalkCost {
+    /// To the goal.
+    all: f64,
+    /// For the fewest walks that give an interval.
+    least: f64,
+    /// Transitions that the pilot made.
+    steps: u64,
+}
+
+impl WalkCost {
+    const NEVER: Self = Self { all: f64::INFINITY, least: f64::INFINITY, steps: 0 };
+}
+
+/// Expected nanoseconds of walks from a stage of pushing.
+#[derive(Clone, Copy, Debug)]
+struct Stage {
+    adjoint: f64,
+    forward: f64,
+    /// For the fewest walks that give an interval.
+    least: f64,
+    /// Transitions that pilots made.
+    steps: u64,
+}
+
+impl Stage {
+    fn cheapest(&self) -> f64 {
+        self.adjoint.min(self.forward)
+    }
+}
+
+fn named(forward: bool, pushed: bool) -> Method {
+    match (forward, pushed) {
+        (false, false) => Method::Adjoint,
+        (true, false) => Method::Forward,
+        (false, true) => Method::PushWalk,
+        (true, true) => Method::Bidirectional,
+    }
+}
+
+/// Keeps the expectation of each method, the latest of each.
+fn note(costs: &mut Vec<Cost>, stage: &Stage, pushed: bool) {
+    for (forward, nanoseconds) in [(false, stage.adjoint), (true, stage.forward)] {
+        let method = named(forward, pushed);
+        costs.retain(|cost| cost.method != method);
+        if nanoseconds.is_finite() {
+            costs.push(Cost { method, seconds: nanoseconds * 1e-9 });
+        }
+    }
+}
+
+/// A time in words.
+fn time(nanoseconds: f64) -> String {
+    match nanoseconds * 1e-9 {
+        s if !s.is_finite() => "forever".to_owned(),
+        s if s < 1e-3 => format!("{:.2} ms", s * 1e3),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
+        s if s < 1e4 => format!("{s:.1} s"),
+        s => format!("{:.0} hours", s / 3600.0),
+    }
+}

@@ -1,0 +1,353 @@
+//! The walk itself.
+
+use lichtweg_montecarlo::distribution::{AliasTable, Discrete, WeightError};
+use lichtweg_montecarlo::{Sampler, SamplerKind};
+use rayon::prelude::*;
+
+use super::{Kernel, Tally};
+
+/// What a walk scores; see [the module](super).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Score {
+    /// Where it ends, over the probability to end there.
+    Terminal,
+    /// Wherever it is.
+    #[default]
+    Collision,
+    /// Wherever it is, what the next state will score on average.
+    Expected,
+}
+
+/// When a walk ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// With p*_i = 1 - min(1, m_i): what the row lacks to 1, as particles are absorbed. Weights keep their magnitude where
+    /// rows sum to at most one.
+    Analog,
+    /// With the same p* in every state.
+    Constant(f64),
+    /// Never by itself: weights shrink with the rows, and are kept in a window by roulette and splitting.
+    Window(WeightWindow),
+}
+
+/// Weights relative to the start: below `low` a walk plays roulette to survive with `survival`, above `high` it is split
+/// into walks of about `survival`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightWindow {
+    /// Smallest weight that goes on unasked.
+    pub low: f64,
+    /// Weight of survivors; between the two others.
+    pub survival: f64,
+    /// Largest weight that is not split.
+    pub high: f64,
+}
+
+impl Default for WeightWindow {
+    fn default() -> Self {
+        Self { low: 0.1, survival: 0.2, high: 2.0 }
+    }
+}
+
+/// Where walks are created.
+#[derive(Clone, Debug)]
+pub struct Start {
+    states: Vec<u32>,
+    values: Vec<f64>,
+    /// Constant time for independent numbers; monotone for stratified ones. None for a single state.
+    tables: Option<(AliasTable, Discrete)>,
+}
+
+impl Start {
+    /// In one state.
+    #[must_use]
+    pub fn state(i: usize) -> Self {
+        Self { states: vec![i as u32], values: vec![1.0], tables: None }
+    }
+
+    /// By a vector (state, s_i), in proportion to the magnitudes; zeros are never drawn. `None` where all are zero.
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    pub fn by(entries: impl IntoIterator<Item = (usize, f64)>) -> Result<Option<Self>, WeightError> {
+        let (states, values): (Vec<u32>, Vec<f64>) = entries
+            .into_iter()
+            .filter(|&(_, value)| value != 0.0)
+            .map(|(i, value)| (i as u32, value))
+            .unzip();
+        if states.is_empty() {
+            return Ok(None);
+        }
+        let tables = if states.len() > 1 {
+            let magnitudes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+            Some((AliasTable::new(&magnitudes)?, Discrete::new(&magnitudes)?))
+        } else {
+            None
+        };
+        Ok(Some(Self { states, values, tables }))
+    }
+
+    /// States where walks are created.
+    pub(crate) fn states(&self) -> impl Iterator<Item = usize> + '_ {
+        self.states.iter().map(|&i| i as usize)
+    }
+
+    /// Each element times that of `factors` at its state; `None` where that is not finite or zero everywhere.
+    pub(crate) fn scaled(&self, factors: &[f64]) -> Option<Self> {
+        let scaled =
+            self.states.iter().zip(&self.values).map(|(&i, value)| (i as usize, value * factors[i as usize]));
+        Self::by(scaled).ok().flatten()
+    }
+
+    /// Sum of the magnitudes.
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        self.values.iter().map(|value| value.abs()).sum()
+    }
+
+    /// s^T r.
+    #[must_use]
+    pub fn dot(&self, r: &[f64]) -> f64 {
+        self.states.iter().zip(&self.values).map(|(&i, value)| value * r[i as usize]).sum()
+    }
+
+    #[inline]
+    pub(crate) fn draw(&self, sampler: &mut Sampler) -> (usize, f64) {
+        let Some((alias, discrete)) = &self.tables else { return (self.states[0] as usize, self.values[0]) };
+        let u = sampler.next_1d_f64();
+        let pick =
+            if sampler.kind() == SamplerKind::Sobol { discrete.sample_f64(u) } else { alias.sample_f64(u) };
+        (self.states[pick.index] as usize, self.values[pick.index] / f64::from(pick.pmf))
+    }
+}
+
+/// Why walks gave no number.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum WalkError {
+    /// Terminal scores need an end in each state that scores.
+    #[error(
+        "no walk ends in state {state} (from 0), so that terminal scores miss what it has: take collision or expected-value scores"
+    )]
+    NoEnd {
+        /// The state.
+        state: usize,
+    },
+    /// Walks that go on without end.
+    #[error("a walk did not end within {steps} steps")]
+    Endless {
+        /// Steps that were allowed.
+        steps: u64,
+    },
+    /// Weights that overflow.
+    #[error("weights of walks overflow: the variance is infinite")]
+    Overflow,
+}
+
+/// Walks from a start on a kernel to a score vector.
+#[derive(Clone, Debug)]
+pub struct Walker<'a> {
+    kernel: &'a Kernel<'a>,
+    start: &'a Start,
+    score: &'a [f64],
+    how: Score,
+    ending: Ending,
+    /// Keeps contributions by length.
+    lengths: bool,
+}
+
+/// Walks of one task: fixed, so that results do not depend on the number of threads.
+const CHUNK: u64 = 128;
+/// A walk that takes more steps than this will not end in anyone's lifetime.
+const ENDLESS: u64 = 1 << 24;
+/// Walks that wait after splitting, at most; beyond, weights are left above the window.
+const MOST_SPLIT: usize = 1 << 10;
+
+impl<'a> Walker<'a> {
+    /// Walks that score `how` and end by `ending`.
+    ///
+    /// # Errors
+    /// Terminal scores where a state scores that no walk ends in, or with a weight window.
+    pub fn new(
+        kernel: &'a Kernel<'a>,
+        start: &'a Start,
+        score: &'a [f64],
+        how: Score,
+        ending: Ending,
+    ) -> Result<Self, WalkError> {
+        if how == Score::Terminal {
+            let ends = |i: usize| match ending {
+                Ending::Analog => kernel.mass(i) < 1.0,
+                Ending::Constant(p) => p > 0.0 || kernel.matrix().row_len(i) == 0,
+                Ending::Window(_) => false,
+            };
+            if let Some(state) = (0..score.len()).into_par_iter().find_first(|&i| score[i] != 0.0 && !ends(i))
+            {
+                return Err(WalkError::NoEnd { state });
+            }
+        }
+        Ok(Self { kernel, start, score, how, ending, lengths: false })
+    }
+
+    /// The same, keeping contributions by length ([`Tally::by_length`]): the terms of the Neumann series.
+    #[must_use]
+    pub fn with_lengths(self) -> Self {
+        Self { lengths: true, ..self }
+    }
+
+    /// Walks number `first` to `first + count` under a seed. Any cut into ranges gives the same walks; the sums are the
+    /// same bits for any number of threads.
+    ///
+    /// # Errors
+    /// A walk that does not end, or whose weight overflows.
+    pub fn tally(&self, seed: u64, first: u64, count: u64) -> Result<Tally, WalkError> {
+        let sampler = |walk: u64| Sampler::new(SamplerKind::Independent, seed, walk >> 32, walk as u32);
+        self.tally_with(first, count, sampler)
+    }
+
+    pub(super) fn tally_with(
+        &self,
+        first: u64,
+        count: u64,
+        sampler: impl Fn(u64) -> Sampler + Sync,
+    ) -> Result<Tally, WalkError> {
+        let chunk = |chunk: u64| -> Result<Tally, WalkError> {
+            let mut tally = Tally::default();
+            let mut waiting = Vec::new();
+            let end = (first + count).min(first + (chunk + 1) * CHUNK);
+            for walk in first + chunk * CHUNK..end {
+                self.walk(sampler(walk), &mut waiting, &mut tally)?;
+            }
+            Ok(tally)
+        };
+        let chunks: Result<Vec<Tally>, WalkError> =
+            (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
+        Ok(chunks?.iter().fold(Tally::default(), |mut sum, chunk| {
+            sum.merge(chunk);
+            sum
+        }))
+    }
+
+    /// One walk, with all that it is split into.
+    fn walk(
+        &self,
+        mut sampler: Sampler,
+        waiting: &mut Vec<Particle>,
+        tally: &mut Tally,
+    ) -> Result<(), WalkError> {
+        let (state, start_weight) = self.start.draw(&mut sampler);
+        let mut score = 0.0;
+        let mut steps = 0;
+        if self.how == Score::Expected {
+            // s^T r is known; only what follows is estimated.
+            let known = self.start.dot_if_single(self.score).unwrap_or(start_weight * self.score[state]);
+            score += known;
+            self.note(tally, 0, known);
+        }
+        waiting.clear();
+        waiting.push(Particle { state, weight: 1.0, length: 0 });
+        while let Some(mut particle) = waiting.pop() {
+            loop {
+                let contribution = start_weight * self.visit(&particle);
+                score += contribution;
+                self.note(tally, particle.length + u64::from(self.how == Score::Expected), contribution);
+                match self.advance(particle, &mut sampler, waiting) {
+                    Next::Goes(next) => particle = next,
+                    Next::Ended { probability } => {
+                        if self.how == Score::Terminal {
+                            let last =
+                                start_weight * particle.weight * self.score[particle.state] / probability;
+                            score += last;
+                            self.note(tally, particle.length, last);
+                        }
+                        break;
+                    }
+                    Next::Lost => break,
+                }
+                steps += 1;
+                if steps > ENDLESS {
+                    return Err(WalkError::Endless { steps: ENDLESS });
+                }
+            }
+        }
+        if !score.is_finite() {
+            return Err(WalkError::Overflow);
+        }
+        tally.push(score, steps);
+        Ok(())
+    }
+
+    /// What a visit scores.
+    #[inline]
+    fn visit(&self, particle: &Particle) -> f64 {
+        match self.how {
+            Score::Terminal => 0.0,
+            Score::Collision => particle.weight * self.score[particle.state],
+            Score::Expected => particle.weight * self.kernel.expected(particle.state, self.score),
+        }
+    }
+
+    /// Ends the walk, or takes a step.
+    #[inline]
+    fn advance(&self, particle: Particle, sampler: &mut Sampler, waiting: &mut Vec<Particle>) -> Next {
+        let Particle { state, weight, length } = particle;
+        let mass = self.kernel.mass(state);
+        if mass == 0.0 {
+            return Next::Ended { probability: 1.0 };
+        }
+        let survival = match self.ending {
+            Ending::Analog => mass.min(1.0),
+            Ending::Constant(probability) => 1.0 - probability,
+            Ending::Window(_) => 1.0,
+        };
+        let u = sampler.next_1d_f64();
+        if u >= survival {
+            return Next::Ended { probability: 1.0 - survival };
+        }
+        // What is left of the number is uniform again.
+        let step = self.kernel.step(state, mass, u / survival);
+        let mut next =
+            Particle { state: step.state, weight: weight * (step.factor / survival), length: length + 1 };
+        if let Ending::Window(window) = self.ending {
+            let magnitude = next.weight.abs();
+            if magnitude < window.low {
+                if sampler.next_1d_f64() * window.survival >= magnitude {
+                    return Next::Lost;
+                }
+                next.weight = window.survival.copysign(next.weight);
+            } else if magnitude > window.high && waiting.len() < MOST_SPLIT {
+                let parts = (magnitude / window.survival).ceil().min(64.0);
+                next.weight /= parts;
+                waiting.extend(std::iter::repeat_n(next, parts as usize - 1));
+            }
+        }
+        Next::Goes(next)
+    }
+
+    #[inline]
+    fn note(&self, tally: &mut Tally, length: u64, contribution: f64) {
+        if self.lengths && contribution != 0.0 {
+            tally.push_contribution(length, contribution);
+        }
+    }
+}
+
+impl Start {
+    /// s^T r where that is cheap.
+    #[inline]
+    fn dot_if_single(&self, r: &[f64]) -> Option<f64> {
+        self.tables.is_none().then(|| self.values[0] * r[self.states[0] as usize])
+    }
+}
+
+/// A walk under way; its weight is relative to the start.
+#[derive(Clone, Copy, Debug)]
+struct Particle {
+    state: usize,
+    weight: f64,
+    length: u64,
+}
+
+enum Next {
+    Goes(Particle),
+    Ended { probability: f64 },
+    Lost,
+}
