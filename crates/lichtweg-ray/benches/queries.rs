@@ -3,9 +3,9 @@
 //!
 //! `cargo bench -p lichtweg-ray -- [--quick] [scene substring]`. Both sides answer the same single-ray
 //! queries on the same triangles in the same process, by turns, with denormals flushed to zero; the fastest
-//! of several turns counts. `STREET_PLY` names the street as a PLY file, `HOUSE_PLY` the folder of the
-//! house's PLY files; without the first a stand-in street is generated, without the second the house is
-//! left out. With `--features count` nodes and triangles touched are counted instead.
+//! of several turns counts. `STREET_PLY` names the street as a PLY file (`--example street_ply` of
+//! `lichtweg-io` writes it), `HOUSE_PLY` the folder of the house's PLY files; without the first a stand-in
+//! street is generated, without the second the house is left out. With `--features count` nodes and triangles touched are counted instead.
 
 mod support;
 

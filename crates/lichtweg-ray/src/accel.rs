@@ -283,7 +283,7 @@ impl Accel {
     pub(crate) fn outline(&self) -> [Bounds3; WIDTH] {
         let root = self.bvh.root;
         if !root.is_leaf() {
-            return std::array::from_fn(|slot| self.bvh.nodes[root.node()].child_bounds(slot));
+            return std::array::from_fn(|slot| self.bvh.nodes[root.node()].bounds(slot));
         }
         let mut one = [Bounds3::EMPTY; WIDTH];
         one[0] = self.bounds;

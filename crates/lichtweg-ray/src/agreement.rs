@@ -150,8 +150,12 @@ fn pieces_are_bounded() {
     let references = |quality: BuildQuality| {
         let mut random = Random(4);
         let mut geometries = still(&mut random, 1000);
-        // Long triangles across everything, which are worth cutting.
-        let long: Vec<_> = (0..3000).map(|_| random.point() * 4.0).collect();
+        // Long triangles among each other, which are worth cutting.
+        let mut long = Vec::new();
+        for _ in 0..1000 {
+            let at = random.point() * 4.0;
+            long.extend([at, at + random.point() * 2.0, at + random.point() * 2.0]);
+        }
         let indices: Vec<[u32; 3]> = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         geometries.push(TriangleMesh::new(long, indices).into());
         let accel = Accel::build(geometries, quality.into()).unwrap();

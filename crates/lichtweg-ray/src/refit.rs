@@ -11,10 +11,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::accel::Accel;
-use crate::build::{is_sound, padded_box};
+use crate::build::{is_sound, padded};
 use crate::bvh::{Block, Node, Numbering};
 use crate::geometry::{Geometry, TriangleMesh};
-use crate::kind::in_range;
+use crate::kind::{Kind, in_range};
 use crate::math::{Bounds3, Vec3};
 
 /// Why a structure could not be refitted; it is as it was before.
@@ -71,8 +71,13 @@ impl Accel {
         let motion = Motion { meshes, numbering: self.bvh.numbering.clone() };
         motion.appeared(&self.bvh.blocks)?;
         self.bvh.blocks.par_iter_mut().for_each(|block| motion.move_corners(block));
-        self.refit_nodes(&motion);
+        let reach_before = self.bvh.reach;
         self.refit_bounds();
+        self.refit_leaves(&motion);
+        if self.bvh.reach > reach_before {
+            self.widen_instances();
+        }
+        self.refit_inner_nodes();
         for (old, new) in self.geometries.iter_mut().zip(motion.meshes) {
             if let Some(mesh) = new {
                 *old = Geometry::Triangles(mesh);
@@ -81,7 +86,7 @@ impl Accel {
         Ok(())
     }
 
-    fn refit_nodes(&mut self, motion: &Motion) {
+    fn refit_leaves(&mut self, motion: &Motion) {
         let blocks = &self.bvh.blocks;
         self.bvh.nodes.par_iter_mut().for_each(|node| {
             for slot in 0..node.children.len() {
@@ -92,18 +97,41 @@ impl Accel {
                 let (first, count) = child.leaf();
                 let leaf = &blocks[first..first + count];
                 if leaf.iter().any(|block| motion.concerns(block)) {
-                    let bounds = leaf.iter().flat_map(triangles).map(padded_box);
+                    let bounds = leaf.iter().flat_map(triangles).map(|corners| padded(Bounds3::of(corners)));
                     node.set(slot, &bounds.fold(Bounds3::EMPTY, Bounds3::union), child);
                 }
             }
         });
+    }
+
+    /// Adds the margin of boxes of instances that depends on the size of the whole scene, once more.
+    fn widen_instances(&mut self) {
+        let (items, kinds, reach) = (&self.items, &self.kinds, self.bvh.reach);
+        self.bvh.nodes.par_iter_mut().for_each(|node| {
+            for slot in 0..node.children.len() {
+                let child = node.children[slot];
+                if !child.is_leaf() || !child.is_other() {
+                    continue;
+                }
+                let (first, count) = child.leaf();
+                let margin =
+                    items[first..first + count].iter().map(|item| match &kinds[item.geometry as usize] {
+                        Kind::Instance(instance) => instance.margin(reach),
+                        _ => 0.0,
+                    });
+                node.set(slot, &node.bounds(slot).widened(margin.fold(0.0, f32::max)), child);
+            }
+        });
+    }
+
+    fn refit_inner_nodes(&mut self) {
         for i in (0..self.bvh.nodes.len()).rev() {
             let (head, below) = self.bvh.nodes.split_at_mut(i + 1);
             let node: &mut Node = &mut head[i];
             for slot in 0..node.children.len() {
                 let child = node.children[slot];
                 if !child.is_leaf() {
-                    node.set(slot, &below[child.node() - i - 1].bounds(), child);
+                    node.set(slot, &below[child.node() - i - 1].hull(), child);
                 }
             }
         }
@@ -112,7 +140,7 @@ impl Accel {
     fn refit_bounds(&mut self) {
         let of_block = |block: &Block| Bounds3::of(triangles(block).flatten());
         let triangles = self.bvh.blocks.par_iter().map(of_block).reduce(|| Bounds3::EMPTY, Bounds3::union);
-        let boxes = self.kinds.iter().flat_map(|kind| kind.boxes()).filter(in_range);
+        let boxes = self.kinds.iter().flat_map(Kind::boxes).filter(in_range);
         self.bounds = boxes.fold(triangles, Bounds3::union);
         self.bvh.reach = self.bounds.reach();
     }

@@ -91,14 +91,14 @@ pub(crate) struct Split {
 }
 
 #[derive(Clone, Copy)]
-struct Histogram {
-    bounds: [[QuadBox; 3]; BINS],
-    counts: [[u32; 4]; BINS],
+struct Histogram<const N: usize> {
+    bounds: [[QuadBox; 3]; N],
+    counts: [[u32; 4]; N],
 }
 
-impl Histogram {
+impl<const N: usize> Histogram<N> {
     fn new() -> Self {
-        Self { bounds: [[QuadBox::empty(); 3]; BINS], counts: [[0; 4]; BINS] }
+        Self { bounds: [[QuadBox::empty(); 3]; N], counts: [[0; 4]; N] }
     }
 
     fn of(primitives: &[Primitive], grid: &Grid) -> Self {
@@ -106,6 +106,7 @@ impl Histogram {
         for p in primitives {
             let bins = grid.bins_of(p);
             for (axis, bin) in bins.into_iter().enumerate() {
+                let bin = bin & (N - 1);
                 let b = &mut out.bounds[bin][axis];
                 *b = b.union(p.bounds());
                 out.counts[bin][axis] += 1;
@@ -115,7 +116,7 @@ impl Histogram {
     }
 
     fn merged(mut self, o: &Self) -> Self {
-        for bin in 0..BINS {
+        for bin in 0..N {
             for axis in 0..3 {
                 self.bounds[bin][axis] = self.bounds[bin][axis].union(o.bounds[bin][axis]);
                 self.counts[bin][axis] += o.counts[bin][axis];
@@ -139,8 +140,17 @@ pub(crate) fn find_split(
     bins: usize,
 ) -> Option<Split> {
     let grid = Grid::new(&extent.centers2, primitives.len(), bins);
+    // Most ranges are small and need few bins, which take time to clear.
+    if grid.bins <= BINS / 2 {
+        find_split_of::<{ BINS / 2 }>(primitives, grid, block)
+    } else {
+        find_split_of::<BINS>(primitives, grid, block)
+    }
+}
+
+fn find_split_of<const N: usize>(primitives: &[Primitive], grid: Grid, block: u32) -> Option<Split> {
     let histogram = if primitives.len() <= CHUNK {
-        Histogram::of(primitives, &grid)
+        Histogram::<N>::of(primitives, &grid)
     } else {
         primitives
             .par_chunks(CHUNK)
@@ -158,8 +168,8 @@ pub(crate) fn find_split(
     Some(split)
 }
 
-fn sweep(histogram: &Histogram, grid: Grid, block: u32) -> Option<Split> {
-    let mut right_cost = [[0.0_f32; 3]; BINS];
+fn sweep<const N: usize>(histogram: &Histogram<N>, grid: Grid, block: u32) -> Option<Split> {
+    let mut right_cost = [[0.0_f32; 3]; N];
     let mut boxes = [QuadBox::empty(); 3];
     let mut counts = [0; 3];
     for bin in (1..grid.bins).rev() {

@@ -55,7 +55,10 @@ pub(crate) fn collapse(builder: &TreeBuilder, binary: &mut Binary) -> (Part, Chi
             cheapest(node, &best[i + 1].cost, &best[node.right as usize].cost)
         };
     }
-    let mut emission = Emission { builder, binary, best: &best, part: Part::default() };
+    // Most leaves keep their block.
+    let blocks = Vec::with_capacity(binary.nodes.len() / 2 + 1);
+    let part = Part { blocks, ..Part::default() };
+    let mut emission = Emission { builder, binary, best: &best, part };
     let root = emission.child(0);
     (emission.part, root)
 }

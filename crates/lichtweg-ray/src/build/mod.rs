@@ -10,4 +10,4 @@ mod spatial;
 mod tree;
 
 pub(crate) use assemble::build;
-pub(crate) use primitive::{MAX_COORDINATE, census, is_sound, padded, padded_box};
+pub(crate) use primitive::{MAX_COORDINATE, census, is_sound, padded};

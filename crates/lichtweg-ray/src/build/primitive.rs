@@ -36,8 +36,7 @@ impl Primitive {
 
     /// The same primitive with another box.
     pub(crate) fn within(&self, bounds: QuadBox) -> Self {
-        let Bounds3 { min, max } = bounds.to_bounds();
-        Self { lo: min.to_array(), hi: max.to_array(), ..*self }
+        Self::new(bounds.to_bounds(), self.geometry, self.primitive)
     }
 
     /// The box (the fourth lanes are meaningless).
@@ -212,11 +211,6 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     let e: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
     let f: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
     e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0]
-}
-
-/// The box of a triangle, as wide as queries need it.
-pub(crate) fn padded_box(corners: [Vec3; 3]) -> Bounds3 {
-    padded(Bounds3::of(corners))
 }
 
 /// A box with the margin that hits of triangles need.

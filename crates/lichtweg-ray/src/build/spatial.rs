@@ -17,7 +17,7 @@ const BINS: usize = 16;
 const CHUNK: usize = 1 << 13;
 
 /// Overlap of two halves from which on it is tried to cut, as a share of the scene's area.
-const OVERLAP: f32 = 1e-5;
+const OVERLAP: f32 = 1e-3;
 /// Triangles with larger boxes stay whole, as a share of the scene's area: a floor is best met once, near the
 /// root, and not a piece of it in every subtree above it.
 const LARGEST: f32 = 0.1;

@@ -146,8 +146,9 @@ impl TreeBuilder<'_> {
     fn plan(&self, range: &Range, depth: usize) -> Option<Plan> {
         let count = range.count;
         let is_small = count <= WIDTH;
-        let others = if is_small { self.others(range.references()) } else { 0 };
-        if others != 0 && others != count {
+        let may_be_leaf = count <= WIDTH * ChildRef::MAX_ITEMS;
+        let others = if may_be_leaf { self.others(range.references()) } else { 0 };
+        if is_small && others != 0 && others != count {
             return Some(Plan::Kinds);
         }
         if count == 1 || is_small && others == 0 {
@@ -156,7 +157,7 @@ impl TreeBuilder<'_> {
         if depth >= HALVING_DEPTH {
             return Some(Plan::Halve);
         }
-        let block = if others == 0 { WIDTH as u32 } else { 1 };
+        let block = if others == count { 1 } else { WIDTH as u32 };
         let Some(split) = find_split(range.references(), &range.extent, block, self.bins) else {
             return Some(Plan::Halve);
         };
