@@ -183,3 +183,46 @@ fn masks_inside_instances_count() {
         [Some(0), Some(0), Some(1), None, None]
     );
 }
+
+/// Rays to corners and edges, where the slightest displacement decides: whoever meets the tile in its own space must get
+/// through the box in the world.
+#[test]
+fn boxes_hold_what_rounding_moves() {
+    let tile = Arc::new(build(vec![square().into()]));
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / f64::from(1 << 23) - 1.0
+    };
+    let mut hits = 0;
+    for i in 0..20_000 {
+        let turn = Affine::rotation([random(), random(), random() + 1.5], 180.0 * random());
+        // Scaled after it is turned: a shear, of large condition.
+        let map = Affine::translation(random(), random(), random())
+            .after(&Affine::scaling(0.01, 1.0, 10.0))
+            .after(&turn);
+        let corner = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][i % 4];
+        let target = map.point(Vec3::new(corner.0, if i % 3 == 0 { random() as f32 } else { corner.1 }, 0.0));
+        let origin = Vec3::new(random() as f32, random() as f32, random() as f32) * 10.0;
+        let ray = Ray::new(origin, target - origin);
+        let back = map.inverse().unwrap();
+        let local = Ray::new(back.point(ray.origin), back.vector(ray.direction));
+        let expected = tile.closest(&local).map(|h| h.t);
+        let accel = build(vec![Instance::new(tile.clone(), map).into()]);
+        assert_eq!(accel.closest(&ray).map(|h| h.t), expected, "{i}");
+        hits += u32::from(expected.is_some());
+    }
+    assert!(hits > 3000, "{hits} rays hit");
+}
+
+#[test]
+fn behind_a_rejected_hit_comes_the_next() {
+    let leaf = Arc::new(build(vec![ball()]));
+    let placed = build(vec![Instance::new(leaf, Affine::IDENTITY).into()]);
+    for accel in [build(vec![ball()]), placed] {
+        let ray = down(0.0, 0.0);
+        assert_eq!(accel.closest_filtered(&ray, |hit| hit.t > 9.0).map(|hit| hit.t), Some(10.0));
+        assert!(accel.occluded_filtered(&ray, |hit| hit.t > 9.0));
+        assert!(!accel.occluded_filtered(&ray, |hit| hit.t > 11.0));
+    }
+}

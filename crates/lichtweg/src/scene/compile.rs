@@ -46,17 +46,10 @@ impl Scene {
         let mut sources: Vec<_> = forms.into_iter().zip(&description.shapes).collect();
         sources.sort_by_key(|(_, source)| source.group.map(|g| g.0));
         for (form, source) in sources {
-            match form {
-                Ok(form) => add_shape(
-                    form,
-                    source,
-                    description.groups,
-                    &materials,
-                    &textures,
-                    &mut shapes,
-                    &mut lights,
-                    diagnostics,
-                ),
+            match form.and_then(|form| check_group(source, description.groups).map(|()| form)) {
+                Ok(form) => {
+                    add_shape(form, source, &materials, &textures, &mut shapes, &mut lights, diagnostics)
+                }
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
@@ -230,11 +223,23 @@ fn place_mesh(mesh: &Mesh, shape: &ShapeDescription) -> Result<MeshForm, Diagnos
     ))
 }
 
-#[allow(clippy::too_many_arguments, reason = "what it reads, and the lists it adds to")]
+/// What a shape in one of `groups` must be.
+fn check_group(shape: &ShapeDescription, groups: u32) -> Result<(), Diagnostic> {
+    match shape.group {
+        Some(group) if group.0 >= groups => {
+            Err(fault("unknown-group", shape, "a shape is in a group that does not exist"))
+        }
+        Some(_) if shape.emission.is_some() => {
+            let text = "a shape that instances place, or that moves, cannot emit light";
+            Err(fault("emitting-instance", shape, text))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn add_shape(
     form: Form,
     source: &ShapeDescription,
-    groups: u32,
     materials: &MaterialArena,
     textures: &TextureArena,
     shapes: &mut Vec<Shape>,
@@ -245,19 +250,6 @@ fn add_shape(
     if material as usize >= materials.len() {
         diagnostics.push(fault("unknown-material", source, "a shape has a material that does not exist"));
         return;
-    }
-    if let Some(group) = source.group {
-        if group.0 >= groups {
-            return diagnostics.push(fault(
-                "unknown-group",
-                source,
-                "a shape is in a group that does not exist",
-            ));
-        }
-        if source.emission.is_some() {
-            let text = "a shape that instances place, or that moves, cannot emit light";
-            return diagnostics.push(fault("emitting-instance", source, text));
-        }
     }
     let has_holes = materials.has_holes(material);
     let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|mut light| {
