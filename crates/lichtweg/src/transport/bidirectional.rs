@@ -159,7 +159,9 @@ impl Bidirectional {
         let mut pair =
             Pair { settings: self, scene, sensor, time: ray.time, lens: ray.origin, expected, counts };
         let Workspace { eye, light, lens_hits } = workspace;
-        (eye.clear(), light.clear(), lens_hits.clear());
+        eye.clear();
+        light.clear();
+        lens_hits.clear();
         let start = LightStart::sample(scene, light_sampler);
         if let Some(start) = &start {
             pair.walk_from_light(start, light_sampler, light, lens_hits);

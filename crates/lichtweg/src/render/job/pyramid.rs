@@ -45,8 +45,8 @@ struct Sums {
 
 impl Sums {
     fn add(&mut self, value: [f32; 3], factor: f32) {
-        for lane in 0..3 {
-            let v = f64::from(value[lane]) * f64::from(factor);
+        for (lane, value) in value.into_iter().enumerate() {
+            let v = f64::from(value) * f64::from(factor);
             self.value[lane] += v;
             self.squares[lane] += v * v;
         }
