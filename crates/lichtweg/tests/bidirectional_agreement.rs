@@ -6,6 +6,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::build::{
     Build, CYLINDER, DISK, SPHERE, bitmap, chain, checkerboard, cube, facing_down, facing_up, float_image,
     glass, glow, glow_input, grid, metal, placed, plastic, rectangle, rough,
@@ -14,10 +16,11 @@ use common::judge::assert_pairwise_agreement;
 use common::room::{add_ball, add_block, add_light, add_walls, room, stage};
 use common::run::{Estimator, compile_scene, render_scene};
 use lichtweg::scene::description::{
-    Description, EnvironmentMapping, FilterDescription, GeometryDescription, LightKind, MaterialKind,
-    MicrofacetKind, SpectrumDescription, SpotFalloff, TextureFilter, TextureInput,
+    Description, EnvironmentMapping, FilterDescription, GeometryDescription, InstanceDescription, LightKind,
+    MaterialKind, MicrofacetKind, Span, SpectrumDescription, SpotFalloff, TextureFilter, TextureInput,
 };
-use lichtweg_ray::math::{Affine, Vec3};
+use lichtweg_ray::Placement;
+use lichtweg_ray::math::{Affine, Motion, Vec3};
 
 /// Paths from the eye, with which the others are compared.
 const EYE: Estimator = Estimator::MisPower;
@@ -303,6 +306,26 @@ fn many_lights() {
         d.shape(geometry, place, grey).emission = glow(color);
     }
     assert_agreement("many lights", &d, &ALL);
+}
+
+/// Instances of a group, one of them moving while the shutter is open: the two walks of a sample see the same moment.
+#[test]
+fn instances_and_motion() {
+    let mut d = room(160);
+    d.camera.shutter = [0.0, 1.0];
+    let painted = d.diffuse([0.7, 0.5, 0.3]);
+    let glossy = d.material(metal(rough(MicrofacetKind::Ggx, 0.3, 0.3)));
+    let group = d.add_group();
+    d.shape(cube(), placed([0.0, -0.2, 0.0], [0.2, 0.3, 0.2]), painted).group = Some(group);
+    d.shape(SPHERE, placed([0.0, 0.35, 0.0], [0.25; 3]), glossy).group = Some(group);
+    let at = |x: f64, turn: f32| {
+        chain(&[Affine::translation(x, -0.5, 0.1), Affine::rotation([0.0, 0.0, 1.0], f64::from(turn))])
+    };
+    let moving = Motion::new([(0.0, at(0.3, 0.0)), (1.0, at(0.6, 60.0))]).expect("a motion");
+    for to_world in [Placement::Fixed(at(-0.5, -20.0)), Placement::Moving(Arc::new(moving))] {
+        d.instances.push(InstanceDescription { span: Span::default(), group, to_world });
+    }
+    assert_agreement("instances and motion", &d, &ALL);
 }
 
 /// Filters wider than a pixel, one with negative lobes, on a crop: splats fall on every pixel that they cover.

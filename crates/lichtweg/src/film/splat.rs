@@ -88,8 +88,8 @@ impl Band<'_> {
         let window = [self.origin[0], self.origin[1], self.size[0], self.size[1]];
         filter.cover(splat.place, window, |pixel, weight| {
             let sum = &mut self.sums[pixel];
-            for lane in 0..3 {
-                let value = f64::from(splat.value[lane]) * f64::from(weight);
+            for (lane, value) in splat.value.into_iter().enumerate() {
+                let value = f64::from(value) * f64::from(weight);
                 sum.sum[lane] += value;
                 sum.sum_squares[lane] += value * value;
                 sum.sum_odd[lane] += f64::from(odd) * value;

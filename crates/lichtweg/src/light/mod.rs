@@ -9,6 +9,7 @@ mod delta;
 mod emission;
 mod environment;
 mod selection;
+mod tree;
 
 use lichtweg_ray::math::Vec3;
 
@@ -21,6 +22,7 @@ pub use delta::{Directional, Point, Spot};
 pub use emission::{Emission, EmissionDensity, Surroundings};
 pub use environment::{ConstantEnvironment, Environment, MapEnvironment};
 pub use selection::LightSelection;
+pub use tree::LightBounds;
 
 /// A light.
 #[derive(Debug)]

@@ -19,8 +19,8 @@ use super::surface::{Form, MeshForm, QuadricForm};
 use super::{MaterialArena, Scene, Shape};
 use crate::color::{Role, Spectrum, luminance, rgb_spectrum};
 use crate::light::{
-    AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightSelection,
-    MapEnvironment, Point, Spot, Surroundings,
+    AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightBounds,
+    LightSelection, MapEnvironment, Point, Spot, Surroundings,
 };
 use crate::texture::{Input, TextureArena};
 
@@ -70,12 +70,14 @@ impl Scene {
         let surroundings = surroundings(accel.bounds());
         let powers: Vec<f32> =
             lights.iter().map(|l| power(l, &shapes, &textures, surroundings.radius)).collect();
+        let bounds: Vec<_> =
+            lights.iter().zip(&powers).map(|(l, &power)| light_bounds(l, power, &shapes)).collect();
         let environments = (0..lights.len() as u32)
             .filter(|&i| matches!(lights[i as usize], Light::Environment(_)))
             .collect();
         let scene = Self {
             has_holes: shapes.iter().any(|s| s.has_holes),
-            selection: LightSelection::new(&powers),
+            selection: LightSelection::new(&powers, &bounds),
             accel,
             instances,
             hierarchies,
@@ -391,6 +393,21 @@ fn surroundings(bounds: Bounds3) -> Surroundings {
     }
     let radius = (bounds.extent().length() * 0.5 * (1.0 + 1e-4)).max(f32::MIN_POSITIVE);
     Surroundings { center: bounds.center(), radius }
+}
+
+/// Where a light is and where it shines; `None` infinitely far.
+fn light_bounds(light: &Light, power: f32, shapes: &[Shape]) -> Option<LightBounds> {
+    let point = |position| LightBounds { bounds: Bounds3::of([position]), axis: Vec3::Z, spread: PI, power };
+    match light {
+        Light::Point(l) => Some(point(l.position)),
+        Light::Spot(l) => Some(point(l.position)),
+        Light::Directional(_) | Light::Environment(_) => None,
+        Light::Area(l) => {
+            let form = &shapes[l.shape as usize].form;
+            let (axis, spread) = if l.two_sided { (Vec3::Z, PI) } else { form.normal_cone(l.shape) };
+            Some(LightBounds { bounds: form.bounds(), axis, spread, power })
+        }
+    }
 }
 
 /// Emitted power, about: for the choice of lights.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lichtweg_ray::math::{Affine, Vec2, Vec3};
+use lichtweg_ray::math::{Affine, Bounds3, Vec2, Vec3};
 use lichtweg_ray::wide::{Float, LANES, Row};
 use lichtweg_ray::{Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
@@ -339,6 +339,51 @@ impl QuadricForm {
 }
 
 impl Form {
+    /// A box around it.
+    pub fn bounds(&self) -> Bounds3 {
+        match self {
+            Self::Mesh(mesh) => {
+                let corners = mesh.triangles.iter().flatten();
+                Bounds3::of(corners.map(|&i| mesh.positions[i as usize]))
+            }
+            Self::Quadric(quadric) => {
+                let (low, high) = match quadric.shape {
+                    QuadricShape::Sphere { .. } => (-1.0, 1.0),
+                    QuadricShape::Disk { .. } => (0.0, 0.0),
+                    QuadricShape::Cylinder { z_min, z_max, .. } => (z_min, z_max),
+                };
+                let sign = |i: usize, bit: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+                let corner = |i| Vec3::new(sign(i, 0), sign(i, 1), if i & 4 == 0 { low } else { high });
+                Bounds3::of((0..8).map(|i| quadric.to_world.point(corner(i))))
+            }
+        }
+    }
+
+    /// Unit axis and half-angle in radians of a cone about all geometric normals of a shape of this form.
+    pub fn normal_cone(&self, shape: u32) -> (Vec3, f32) {
+        const ALL: (Vec3, f32) = (Vec3::Z, std::f32::consts::PI);
+        match self {
+            Self::Mesh(mesh) => {
+                let count = mesh.triangles.len() as u32;
+                let normals = || {
+                    (0..count)
+                        .filter(|&i| mesh.area(i) > 0.0)
+                        .map(|i| mesh.point(shape, i, 0.0, 0.0).geometric_normal)
+                };
+                let sum = normals().fold(Vec3::ZERO, |sum, n| sum + n);
+                let Some(axis) = sum.try_normalized() else { return ALL };
+                let cos = normals().map(|n| n.dot(axis)).fold(1.0, f32::min);
+                (axis, cos.clamp(-1.0, 1.0).acos())
+            }
+            Self::Quadric(quadric) => match quadric.shape {
+                QuadricShape::Disk { .. } => {
+                    (quadric.object_point(shape, Vec3::ZERO, Vec2::ZERO).geometric_normal, 0.0)
+                }
+                _ => ALL,
+            },
+        }
+    }
+
     /// What the ray engine sees of it.
     pub(super) fn geometry(&self) -> Geometry {
         match self {

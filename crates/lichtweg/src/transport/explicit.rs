@@ -327,7 +327,10 @@ fn connection(
             };
             f64::from(connection_pdf_area(scene, end.light, receiver, point))
         }
-        _ => f64::from(scene.selection().probability(end.light)) * f64::from(density.start),
+        _ => {
+            f64::from(scene.selection().probability(middles[0].position, end.light))
+                * f64::from(density.start)
+        }
     }
 }
 

@@ -50,7 +50,7 @@ impl LightTracer {
     }
 
     /// One walk from a light, at a time, and what the camera sees of it.
-    #[allow(clippy::too_many_arguments, reason = "as for bidirectional paths")]
+    #[allow(clippy::too_many_arguments, reason = "the two ends, their numbers, and where things go")]
     pub fn sample<'a>(
         &self,
         scene: &'a Scene,

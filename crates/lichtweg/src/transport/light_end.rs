@@ -97,7 +97,7 @@ impl LightStart {
         let connection = match self.emission.point {
             Some(on_light) => connection_pdf_area(scene, self.end.light, receiver, &on_light),
             None => {
-                let probability = scene.selection().probability(self.end.light);
+                let probability = scene.selection().probability(receiver.position, self.end.light);
                 // A point has no density; directions are chosen alike by both.
                 probability * self.emission.density.start
             }
@@ -122,7 +122,7 @@ pub fn connection_pdf_area(
     let direction = along / distance_squared.sqrt();
     let pdf = area_light.pdf(receiver.position, on_light, direction, scene.form(on_light.shape));
     let cos = on_light.geometric_normal.dot(direction).abs();
-    scene.selection().probability(light) * pdf * cos / distance_squared
+    scene.selection().probability(receiver.position, light) * pdf * cos / distance_squared
 }
 
 /// Sum over all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`.
@@ -151,7 +151,7 @@ pub fn others_of_escape(
 ) -> f64 {
     let (others, _) = departure.arrive(heuristic, 1.0, departure.cos);
     let selection = scene.selection();
-    let connection = selection.probability(light) * pdf_direction;
+    let connection = selection.probability(departure.position, light) * pdf_direction;
     let start = selection.emitter_probability(light) * pdf_direction;
     raise(heuristic, connection) * others.connected
         + raise(heuristic, start) * raise(heuristic, scene.surroundings().disk_pdf()) * others.shorter
@@ -176,7 +176,7 @@ impl NextEvent {
     /// Chooses a light for a receiver, and a point on it.
     pub fn sample(scene: &Scene, receiver: Vec3, sampler: &mut Sampler) -> Option<Self> {
         let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-        let (index, probability, _) = scene.selection().sample(u_light)?;
+        let (index, probability) = scene.selection().sample(receiver, u_light)?;
         let light = &scene.lights()[index as usize];
         let (sample, point) = light.sample_with_point(receiver, u, scene)?;
         let emission = light.emission_density(&sample, point.as_ref(), scene);

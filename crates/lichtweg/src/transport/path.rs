@@ -237,7 +237,7 @@ impl PathTracer {
         }
         let weight = self.hit_weight(departure, || {
             let pdf = light.pdf(departure.position, point, wo, scene.form(point.shape));
-            scene.selection().probability(index) * pdf
+            scene.selection().probability(departure.position, index) * pdf
         });
         radiance * weight
     }
@@ -246,8 +246,9 @@ impl PathTracer {
     #[inline]
     fn escaped(&self, scene: &Scene, direction: Vec3, departure: &Departure) -> Spectrum {
         scene.environments().fold(Spectrum::ZERO, |sum, (index, environment)| {
-            let weight = self
-                .hit_weight(departure, || scene.selection().probability(index) * environment.pdf(direction));
+            let weight = self.hit_weight(departure, || {
+                scene.selection().probability(departure.position, index) * environment.pdf(direction)
+            });
             sum + environment.radiance(direction) * weight
         })
     }
@@ -257,7 +258,7 @@ impl PathTracer {
     fn connect(&self, scene: &Scene, vertex: &Vertex<'_>, walk: &mut Walk) -> Option<Connection> {
         let Vertex { point, wo, scatterer, time } = *vertex;
         let (u_light, u) = (walk.sampler.next_1d(), walk.sampler.next_2d());
-        let (index, probability, _) = scene.selection().sample(u_light)?;
+        let (index, probability) = scene.selection().sample(point.position, u_light)?;
         let sample = scene.lights()[index as usize].sample(point.position, u, scene)?;
         let (scattering, pdf_bsdf) = scatterer.eval_pdf(wo, sample.direction, Mode::Radiance);
         if scattering.is_zero() {

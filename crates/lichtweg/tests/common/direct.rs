@@ -94,7 +94,9 @@ fn by_light(
     fault: Fault,
 ) -> Spectrum {
     let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-    let Some((light, probability, _)) = scene.selection().sample(u_light) else { return Spectrum::ZERO };
+    let Some((light, probability)) = scene.selection().sample(point.position, u_light) else {
+        return Spectrum::ZERO;
+    };
     let Some(sample) = scene.lights()[light as usize].sample(point.position, u, scene) else {
         return Spectrum::ZERO;
     };
@@ -134,7 +136,8 @@ fn by_bsdf(
         if sample.delta || !scatterer.bsdf.connects() || fault == Fault::DoubleCounting {
             return 1.0;
         }
-        let probability = if fault == Fault::Weights { 1.0 } else { scene.selection().probability(light) };
+        let probability =
+            if fault == Fault::Weights { 1.0 } else { scene.selection().probability(point.position, light) };
         sample.pdf / (sample.pdf + probability * pdf_light)
     };
     let ray = Ray::new(point.leave(sample.wi), sample.wi);

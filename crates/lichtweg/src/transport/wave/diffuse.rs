@@ -296,8 +296,11 @@ impl<O: PathObserver> Step<'_, O> {
         let mut triangles = 0;
         let mut others = 0;
         let mut choices = [0; LANES];
+        let p = points.position;
+        let position = [p.x.to_lanes(), p.y.to_lanes(), p.z.to_lanes()];
         for lane in lanes_of(fast) {
-            let Some((index, p, _)) = scene.selection().sample(u_light.0[lane]) else { continue };
+            let from = Vec3::new(position[0].0[lane], position[1].0[lane], position[2].0[lane]);
+            let Some((index, p)) = scene.selection().sample(from, u_light.0[lane]) else { continue };
             choices[lane] = index;
             probability.0[lane] = p;
             match scene.pick_triangle(index, u0.0[lane]) {
