@@ -269,7 +269,7 @@ fn several_unknowns_share_the_error() {
     let system = System::fixed_point(random_matrix(50, 5, 0.8, 0.2, 61), vec![1.0; 50]).unwrap();
     let solver = Solver::new(&system);
     let all: Vec<_> = (0..10).map(Functional::Unknown).collect();
-    let options = options(Method::Adjoint, 0.05);
+    let options = options(Method::Adjoint, 0.01);
     let joint = solver.solve_all(&all, &options).unwrap();
     let alone = solver.solve(&all[0], &options).unwrap();
     assert!(joint[0].walks > alone.walks);
