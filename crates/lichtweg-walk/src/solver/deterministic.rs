@@ -39,7 +39,7 @@ impl Solver<'_> {
                 guess = Some(found.x);
                 continue;
             }
-            if bound.is_none() && found.residual > FAILED {
+            if found.residual > FAILED.max(tolerance) {
                 return Err(Refusal::NotSolved { residual: found.residual });
             }
             return Ok(Answer {
