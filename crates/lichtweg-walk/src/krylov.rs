@@ -160,6 +160,25 @@ fn stabilised(
     (best, used)
 }
 
+/// Iterates x = M x + b from a guess, until the residual b + M x - x is `tolerance` times |b|. Slow, but where rho(|M|) < 1 it
+/// cannot fail.
+#[must_use]
+pub fn fixed_point(m: &Matrix, b: &[f64], mut x: Vec<f64>, tolerance: f64, products: usize) -> Solution {
+    let size = length(b);
+    let mut next = vec![0.0; b.len()];
+    let mut residual = f64::INFINITY;
+    let mut used = 0;
+    while used < products && residual > tolerance {
+        m.multiply_into(&x, &mut next);
+        update(&mut next, b, |mx, b| mx + b);
+        update(&mut x, &next, |x, next| next - x);
+        residual = length(&x) / size;
+        x.copy_from_slice(&next);
+        used += 1;
+    }
+    Solution { x, residual, products: used, method: "fixed point iteration" }
+}
+
 /// I - M.
 #[must_use]
 pub fn one_minus(m: &Matrix) -> Matrix {
