@@ -176,6 +176,7 @@ pub fn fixed_point(m: &Matrix, b: &[f64], mut x: Vec<f64>, tolerance: f64, produ
         x.copy_from_slice(&next);
         used += 1;
     }
+    let residual = if residual.is_nan() { f64::INFINITY } else { residual };
     Solution { x, residual, products: used, method: "fixed point iteration" }
 }
 
