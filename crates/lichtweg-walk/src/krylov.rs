@@ -107,12 +107,16 @@ fn stabilised(
         update(&mut out, inverse, |v, d| v * d);
         out
     };
-    let mut r = a.multiply(&x);
-    update(&mut r, b, |ax, b| b - ax);
-    let shadow = r.clone();
-    let mut p = r.clone();
+    let left = |x: &[f64]| {
+        let mut r = a.multiply(x);
+        update(&mut r, b, |ax, b| b - ax);
+        r
+    };
+    let mut r = left(&x);
+    let (mut shadow, mut p) = (r.clone(), r.clone());
     let mut rho = dot(&shadow, &r);
     let (mut best, mut best_length) = (x.clone(), length(&r));
+    let mut length_at_restart = f64::INFINITY;
     let mut used = 1;
     while used + 2 <= products && best_length > target {
         let y = preconditioned(&p);
@@ -130,23 +134,50 @@ fn stabilised(
         update(&mut x, &z, |x, z| x + omega * z);
         update(&mut r, &t, |r, t| r - omega * t);
         let size = length(&r);
-        if !size.is_finite() {
-            break;
-        }
         if size < best_length {
             best_length = size;
             best.copy_from_slice(&x);
         }
         let next = dot(&shadow, &r);
         let turn = (next / rho) * (alpha / omega);
-        if !turn.is_finite() || turn == 0.0 {
+        if size.is_finite() && turn.is_finite() && turn != 0.0 {
+            update(&mut p, &v, |p, v| p - omega * v);
+            update(&mut p, &r, |p, r| r + turn * p);
+            rho = next;
+            continue;
+        }
+        // Broken down: once more from the best so far, as long as that gets anywhere.
+        if best_length >= length_at_restart {
             break;
         }
-        update(&mut p, &v, |p, v| p - omega * v);
-        update(&mut p, &r, |p, r| r + turn * p);
-        rho = next;
+        length_at_restart = best_length;
+        x.copy_from_slice(&best);
+        r = left(&x);
+        used += 1;
+        (shadow, p) = (r.clone(), r.clone());
+        rho = dot(&shadow, &r);
     }
     (best, used)
+}
+
+/// Iterates x = M x + b from a guess, until the residual b + M x - x is `tolerance` times |b|. Slow, but where rho(|M|) < 1 it
+/// cannot fail.
+#[must_use]
+pub fn fixed_point(m: &Matrix, b: &[f64], mut x: Vec<f64>, tolerance: f64, products: usize) -> Solution {
+    let size = length(b);
+    let mut next = vec![0.0; b.len()];
+    let mut residual = f64::INFINITY;
+    let mut used = 0;
+    while used < products && residual > tolerance {
+        m.multiply_into(&x, &mut next);
+        update(&mut next, b, |mx, b| mx + b);
+        update(&mut x, &next, |x, next| next - x);
+        residual = length(&x) / size;
+        x.copy_from_slice(&next);
+        used += 1;
+    }
+    let residual = if residual.is_nan() { f64::INFINITY } else { residual };
+    Solution { x, residual, products: used, method: "fixed point iteration" }
 }
 
 /// I - M.

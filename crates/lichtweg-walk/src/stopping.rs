@@ -87,6 +87,8 @@ pub struct Estimate {
 pub(crate) const PILOT: u64 = 256;
 /// Fewest walks of a look.
 pub(crate) const FEWEST: u64 = 1024;
+/// Most walks of the first look after a pilot that tells little.
+const VAGUE: u64 = 1 << 16;
 /// Scores that have to differ from the first before Student's interval is believed.
 const DIFFERENT: u64 = 64;
 /// Walks after which scores that are all the same are believed to be so.
@@ -113,7 +115,10 @@ pub fn estimate(
     let mut looks = 0;
     let per_walk = 1.0 + pilot.steps_per_walk();
     let most = ((most_steps as f64 / per_walk) as u64).max(FEWEST);
-    let mut wanted = walks_needed(pilot, offset, goal, interval, SPENT * left).clamp(FEWEST, most);
+    let needed = walks_needed(pilot, offset, goal, interval, SPENT * left);
+    // A pilot that cannot tell the value from zero cannot tell a relative goal either.
+    let vague = (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
+    let mut wanted = if vague { needed.min(VAGUE) } else { needed }.clamp(FEWEST, most);
     loop {
         let count = wanted - tally.moments.count();
         tally.merge(&walk(tally.moments.count(), count)?);

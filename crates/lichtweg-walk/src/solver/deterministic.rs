@@ -25,7 +25,10 @@ impl Solver<'_> {
         let mut tolerance = if proven { (0.1 * goal.relative).clamp(1e-13, 1e-2) } else { UNBOUNDED };
         let (mut guess, mut products) = (None, 0);
         loop {
-            let found = solve_linear(a, b, guess.take(), tolerance);
+            let mut found = solve_linear(a, b, guess.take(), tolerance);
+            if proven && found.residual > tolerance {
+                found = krylov::fixed_point(system.matrix(), system.source(), found.x, tolerance, PRODUCTS);
+            }
             products += found.products;
             let value = target.iter().map(|&(i, g)| g * found.x[i]).sum();
             let bound = if proven {
@@ -39,7 +42,7 @@ impl Solver<'_> {
                 guess = Some(found.x);
                 continue;
             }
-            if bound.is_none() && found.residual > FAILED {
+            if found.residual > FAILED.max(tolerance) {
                 return Err(Refusal::NotSolved { residual: found.residual });
             }
             return Ok(Answer {

@@ -18,19 +18,18 @@ mod answer;
 mod deterministic;
 mod plan;
 mod proof;
+mod pushing;
 mod refusal;
 mod side;
+mod stages;
+mod walking;
 
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use lichtweg_montecarlo::hash::combine;
-
 use crate::convergence::Radius;
-use crate::push::Push;
-use crate::sequential::{self, Vector};
-use crate::stopping::{Estimate, Goal, Interval, PILOT, estimate};
-use crate::walk::{Ending, Prepared, Score, Start, Tally, Walker, WeightWindow, quasi_random};
+use crate::stopping::Goal;
+use crate::walk::{Ending, Prepared, Score, Start, WeightWindow};
 use crate::{Matrix, System};
 
 pub use answer::{Answer, Cost, Evidence, Functional, Method};
@@ -38,7 +37,6 @@ pub use refusal::Refusal;
 pub use side::Choice;
 
 use proof::Proof;
-use side::Side;
 
 /// How to solve.
 #[derive(Clone, Debug)]
@@ -184,256 +182,10 @@ impl<'a> Solver<'a> {
             Err(Refusal::diverges(self.system, self.proof.rows(self.system)))
         }
     }
-
-    /// Walks on a side to the goal; `offset` is what was pushed already, at `operations`.
-    fn walk_side(
-        &self,
-        method: Method,
-        side: Option<&Side<'_>>,
-        offset: f64,
-        operations: u64,
-        options: &Options,
-    ) -> Result<Answer, Refusal> {
-        let Some(side) = side else { return Ok(Answer::exact(offset, "nothing is left to walk for")) };
-        let kernel = side.kernel(options);
-        let walker = side.walker(&kernel, options)?;
-        let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
-        if pilot.nonzero == 0 && !self.sees_source(side) {
-            return Ok(Answer::exact(offset, "the source vector cannot be reached from here"));
-        }
-        if options.quasi {
-            let answer = self.walk_quasi(method, &walker, offset, operations, options)?;
-            return Ok(Answer { steps: answer.steps + pilot.steps, ..answer });
-        }
-        let interval = interval(side, options)?;
-        let walker = if options.lengths { walker.with_lengths() } else { walker };
-        let walk = |first, count| walker.tally(options.seed, first, count);
-        let found = estimate(&pilot, offset, &options.goal, interval, options.most_steps, walk)?;
-        let pilot_steps = pilot.steps;
-        self.report(method, offset, operations, pilot_steps, found)
-    }
-
-    /// Quasi-random walks to the goal: scrambles of twice as many points at each look, until their means agree.
-    fn walk_quasi(
-        &self,
-        method: Method,
-        walker: &Walker<'_>,
-        offset: f64,
-        operations: u64,
-        options: &Options,
-    ) -> Result<Answer, Refusal> {
-        let mut left = 1.0 - options.goal.confidence;
-        let (mut steps, mut points) = (0, FIRST_POINTS);
-        loop {
-            // Scrambles of its own for each look, so that looks are independent.
-            let seed = combine(options.seed, u64::from(points));
-            let (means, more) = quasi_random(walker, seed, SCRAMBLES, points)?;
-            steps += more;
-            let last = steps >= options.most_steps / 3 || points >= 1 << 30;
-            let alpha = if last { left } else { 0.5 * left };
-            left -= alpha;
-            let value = offset + means.mean();
-            let half_width = Interval::Student.half_width(&means, alpha);
-            let reached = half_width <= options.goal.half_width(value) && means.mean() != 0.0;
-            if means.mean() == 0.0 && last {
-                return Err(Refusal::NotBelieved {
-                    walks: u64::from(SCRAMBLES) * u64::from(points),
-                    scored: 0,
-                });
-            }
-            if reached || last {
-                return Ok(Answer {
-                    half_width,
-                    evidence: Evidence::Statistical,
-                    method,
-                    reached,
-                    walks: u64::from(SCRAMBLES) * u64::from(points),
-                    steps,
-                    operations,
-                    ..Answer::exact(value, "as asked for, by quasi-random numbers")
-                });
-            }
-            points *= 2;
-        }
-    }
-
-    /// Whether walks can come to a state that scores at all.
-    fn sees_source(&self, side: &Side<'_>) -> bool {
-        let mut seen = vec![false; self.system.unknowns()];
-        let mut waiting: Vec<usize> = side.starts().collect();
-        waiting.iter().for_each(|&i| seen[i] = true);
-        while let Some(i) = waiting.pop() {
-            if side.scores(i) {
-                return true;
-            }
-            for j in side.neighbours(i) {
-                if !std::mem::replace(&mut seen[j], true) {
-                    waiting.push(j);
-                }
-            }
-        }
-        false
-    }
-
-    fn report(
-        &self,
-        method: Method,
-        offset: f64,
-        operations: u64,
-        pilot_steps: u64,
-        found: Estimate,
-    ) -> Result<Answer, Refusal> {
-        let moments = found.tally.moments;
-        if !found.believed {
-            return Err(Refusal::NotBelieved { walks: moments.count(), scored: found.tally.nonzero });
-        }
-        let mut warnings = Vec::new();
-        if let Some(warning) = heavy_tail(&found.tally) {
-            warnings.push(warning);
-        }
-        Ok(Answer {
-            value: offset + moments.mean(),
-            half_width: found.half_width,
-            evidence: Evidence::Statistical,
-            method,
-            reached: found.reached,
-            walks: moments.count(),
-            steps: found.tally.steps + pilot_steps,
-            operations,
-            seconds: 0.0,
-            why: "as asked for".to_owned(),
-            costs: Vec::new(),
-            warnings,
-            by_length: neumann(&found.tally),
-            x: None,
-        })
-    }
-
-    /// Push alone, to the goal or as far as allowed.
-    fn push(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
-        if !self.proof.rows_contract(self.system) && !self.proof.columns_contract(self.system) {
-            // Bounds need a certificate, whatever it takes.
-            let _ = self.proof.verified(self.system);
-        }
-        let mut push = Push::new(self.system.matrix(), target.iter().copied());
-        if let Some(answer) = self.push_to(&mut push, options, options.most_steps) {
-            return Ok(Answer { why: "as asked for".to_owned(), ..answer });
-        }
-        let (value, half_width) = self.pushed(&push);
-        if half_width.is_infinite() {
-            return Err(Refusal::NoCertificate);
-        }
-        let operations = push.operations();
-        Ok(Answer { half_width, reached: false, operations, ..Answer::exact(value, "as asked for") })
-    }
-
-    /// Pushes until the proven bound reaches the goal (an answer), or the operations reach a limit, or nothing is left to
-    /// push.
-    fn push_to(&self, push: &mut Push<'_>, options: &Options, limit: u64) -> Option<Answer> {
-        loop {
-            let (value, half_width) = self.pushed(push);
-            if half_width <= options.goal.half_width(value) {
-                return Some(Answer {
-                    half_width,
-                    operations: push.operations(),
-                    ..Answer::exact(value, "")
-                });
-            }
-            let left = limit.saturating_sub(push.operations());
-            if left == 0 || !push.round(left) {
-                return None;
-            }
-        }
-    }
-
-    /// Value and proven bound of what was pushed. With M, b >= 0 all x_i lie in a range, whose middle is the better guess.
-    fn pushed(&self, push: &Push<'_>) -> (f64, f64) {
-        let system = self.system;
-        let left = || push.touched().map(|i| (i, push.residual(i)));
-        let value = push.value(system.source());
-        if left().all(|(_, q)| q == 0.0) {
-            return (value, 0.0);
-        }
-        let high = self.proof.bound_of_solution(system, left()).unwrap_or(f64::INFINITY);
-        if high.is_infinite() || !system.is_nonnegative() || left().any(|(_, q)| q < 0.0) {
-            return (value, high);
-        }
-        let low = system.smallest_solution() * left().map(|(_, q)| q).sum::<f64>();
-        (value + 0.5 * (low + high), 0.5 * (high - low))
-    }
-
-    /// All unknowns by walks, of which the functional is read off.
-    fn sequential(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
-        self.check_convergence()?;
-        let (system, walks) = (self.system, (self.system.unknowns() as u64).max(256));
-        let value = |x: &[f64]| target.iter().map(|&(i, g)| g * x[i]).sum::<f64>();
-        let mut bound = None;
-        // Where nothing is proven, the residual has to do.
-        let small = 0.01 * options.goal.relative.max(1e-12);
-        let is_enough = |so_far: &Vector, residual: &[f64]| {
-            bound = self.proof.bound_of_error(system, target, residual);
-            let goal = options.goal.half_width(value(&so_far.x));
-            bound.map_or(so_far.residual <= small, |bound| bound <= goal)
-        };
-        let found = sequential::solve(system, is_enough, STAGES, walks, options.seed)?;
-        let value = value(&found.x);
-        Ok(Answer {
-            half_width: bound.unwrap_or(f64::INFINITY),
-            evidence: if bound.is_some() { Evidence::Proven } else { Evidence::Residual(found.residual) },
-            method: Method::Sequential,
-            reached: bound.map_or(found.residual <= small, |bound| bound <= options.goal.half_width(value)),
-            walks: found.walks,
-            steps: found.steps,
-            x: Some(found.x),
-            ..Answer::exact(value, "as asked for")
-        })
-    }
 }
-
-/// Stages of sequential Monte Carlo, at most.
-const STAGES: u32 = 300;
-
-/// Independent scrambles of quasi-random walks, whose means make the interval.
-const SCRAMBLES: u32 = 32;
-/// Points of each at the first look; enough for means to be about normal.
-const FIRST_POINTS: u32 = 64;
 
 /// Tells the pilot's walks from those that count.
 const PILOT_SEED: u64 = 0x9170_7000_0000_0000;
-
-/// Student's interval, or, where it is asked for, Bernstein's.
-fn interval(side: &Side<'_>, options: &Options) -> Result<Interval, Refusal> {
-    if !options.rigorous {
-        return Ok(Interval::Student);
-    }
-    let bound = side.score_bound(options).ok_or_else(|| {
-        Refusal::Parameter(
-            "rigorous intervals need bounded scores: terminal ones, analog ending, and rows that sum to less than one".into(),
-        )
-    })?;
-    Ok(Interval::Bernstein(2.0 * bound))
-}
-
-/// A warning where a few walks have nearly all of the squared scores.
-fn heavy_tail(tally: &Tally) -> Option<String> {
-    let (share, walks) = (tally.largest_share(), tally.moments.count());
-    (walks >= 1000 && share > 0.1).then(|| {
-        format!(
-            "heavy tail: one of {walks} walks has {:.0} % of the squared scores; the interval may be too narrow",
-            100.0 * share
-        )
-    })
-}
-
-/// Mean contribution by walk length.
-fn neumann(tally: &Tally) -> Vec<f64> {
-    let walks = tally.moments.count().max(1) as f64;
-    let mut terms: Vec<f64> = tally.by_length.iter().map(|sum| sum / walks).collect();
-    while terms.last() == Some(&0.0) {
-        terms.pop();
-    }
-    terms
-}
 
 /// Start of walks in g or b, where not all are zero.
 fn start(entries: impl IntoIterator<Item = (usize, f64)>) -> Result<Option<Start>, Refusal> {

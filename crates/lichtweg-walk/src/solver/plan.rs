@@ -7,7 +7,8 @@
 //! of its iterations. The model is in nanoseconds but does not look at a clock, so that the choice depends on the system, the
 //! goal and the seed alone.
 
-use super::{Answer, Cost, Method, Options, PILOT_SEED, Refusal, Solver, interval};
+use super::walking::interval;
+use super::{Answer, Cost, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::push::Push;
 use crate::stopping::{FEWEST, Goal, walks_needed};
 

@@ -104,12 +104,6 @@ impl Start {
         self.values.iter().map(|value| value.abs()).sum()
     }
 
-    /// s^T r.
-    #[must_use]
-    pub fn dot(&self, r: &[f64]) -> f64 {
-        self.states.iter().zip(&self.values).map(|(&i, value)| value * r[i as usize]).sum()
-    }
-
     #[inline]
     pub(crate) fn draw(&self, sampler: &mut Sampler) -> (usize, f64) {
         let Some((alias, discrete)) = &self.tables else { return (self.states[0] as usize, self.values[0]) };
@@ -242,8 +236,7 @@ impl<'a> Walker<'a> {
         let mut score = 0.0;
         let mut steps = 0;
         if self.how == Score::Expected {
-            // s^T r is known; only what follows is estimated.
-            let known = self.start.dot_if_single(self.score).unwrap_or(start_weight * self.score[state]);
+            let known = start_weight * self.score[state];
             score += known;
             self.note(tally, 0, known);
         }
@@ -332,14 +325,6 @@ impl<'a> Walker<'a> {
         if self.lengths && contribution != 0.0 {
             tally.push_contribution(length, contribution);
         }
-    }
-}
-
-impl Start {
-    /// s^T r where that is cheap.
-    #[inline]
-    fn dot_if_single(&self, r: &[f64]) -> Option<f64> {
-        self.tables.is_none().then(|| self.values[0] * r[self.states[0] as usize])
     }
 }
 
