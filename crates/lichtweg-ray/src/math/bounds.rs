@@ -45,6 +45,12 @@ impl Bounds3 {
         self.max - self.min
     }
 
+    /// Largest absolute coordinate; zero for the empty box.
+    #[inline]
+    pub fn reach(&self) -> f32 {
+        if self.is_empty() { 0.0 } else { self.min.abs().max(self.max.abs()).max_element() }
+    }
+
     /// The middle.
     #[inline]
     pub fn center(&self) -> Vec3 {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Bounds3, Vec2, Vec3};
 use lichtweg_ray::wide::{Float, LANES, Row};
-use lichtweg_ray::{Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
+use lichtweg_ray::{CurvePoint, Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
 use super::curve::CurveForm;
 use super::offset::{offset, position_error};
@@ -356,6 +356,11 @@ impl Form {
                 let corner = |i| Vec3::new(sign(i, 0), sign(i, 1), if i & 4 == 0 { low } else { high });
                 Bounds3::of((0..8).map(|i| quadric.to_world.point(corner(i))))
             }
+            // A curve lies in the hull of its control points.
+            Self::Curves(form) => {
+                let around = |p: &CurvePoint| Bounds3::of([p.position]).widened(p.radius);
+                form.curves.points().iter().map(around).fold(Bounds3::EMPTY, Bounds3::union)
+            }
         }
     }
 
@@ -381,6 +386,7 @@ impl Form {
                 }
                 _ => ALL,
             },
+            Self::Curves(_) => ALL,
         }
     }
 
