@@ -12,7 +12,8 @@ use common::build::{
 use common::run::compile_scene;
 use lichtweg::light::Light;
 use lichtweg::scene::description::{
-    Description, EnvironmentMapping, GeometryDescription, LightKind, SpectrumDescription,
+    Description, Diagnostics, EnvironmentMapping, GeometryDescription, LightKind, LightStrategy,
+    SpectrumDescription,
 };
 use lichtweg::scene::{RayCounts, Scene};
 use lichtweg_montecarlo::hypothesis::{DensityTest, sidak, z_test};
@@ -291,4 +292,19 @@ fn delta_lights_say_so() {
         assert!(light.is_delta() && sample.delta && sample.pdf == 1.0);
         assert!((sample.direction - Vec3::Y).length() < 1e-6);
     }
+}
+
+/// Walks alone never meet a point: who asks for nothing else is told.
+#[test]
+fn naive_paths_are_warned_of_lights_they_cannot_hit() {
+    let warned = |light| {
+        let mut d = Description::default();
+        d.integrator.light = light;
+        d.light(LightKind::Point { position: Vec3::ZERO, intensity: SpectrumDescription::Constant(1.0) });
+        let mut diagnostics = Diagnostics::default();
+        Scene::compile(&d, &mut diagnostics).expect("only warnings");
+        diagnostics.list.iter().any(|diagnostic| diagnostic.code == "unseen-light")
+    };
+    assert!(warned(LightStrategy::Naive));
+    assert!(!warned(LightStrategy::Mis));
 }

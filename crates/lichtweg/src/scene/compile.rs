@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::curve::CurveForm;
 use super::description::{
-    Description, Diagnostic, Diagnostics, EmissionScale, GeometryDescription, LightDescription, LightKind,
-    Mesh, ShapeDescription, SpectrumDescription,
+    Description, Diagnostic, Diagnostics, EmissionScale, EstimatorKind, GeometryDescription,
+    LightDescription, LightKind, LightStrategy, Mesh, ShapeDescription, SpectrumDescription,
 };
 use super::instances::Structures;
 use super::surface::{Form, MeshForm, QuadricForm};
@@ -99,6 +99,18 @@ impl Scene {
             diagnostics.push(
                 Diagnostic::warning("no-light", "the scene has no light: its image will be black")
                     .help("add an emitter, for instance a constant environment"),
+            );
+        }
+        let integrator = &description.integrator;
+        let runs_into_lights =
+            integrator.estimator == EstimatorKind::Path && integrator.light == LightStrategy::Naive;
+        if runs_into_lights && self.lights.iter().any(Light::is_delta) {
+            diagnostics.push(
+                Diagnostic::warning(
+                    "unseen-light",
+                    "lights at a point or in a single direction give nothing: walks alone never hit them",
+                )
+                .help("use path:light=mis or path:light=nee, which connect to them"),
             );
         }
         let report = self.build_report();
