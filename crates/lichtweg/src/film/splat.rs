@@ -65,11 +65,11 @@ impl SplatFilm {
             let eye = Pixel { count: samples, ..*pixel }.variance_of_mean();
             pixel.count = samples;
             pixel.count_odd = samples / 2;
-            for lane in 0..3 {
+            for (lane, eye) in eye.into_iter().enumerate() {
                 pixel.sum[lane] += splats.sum[lane];
                 pixel.sum_odd[lane] += splats.sum_odd[lane];
                 let mean = pixel.sum[lane] / n;
-                let variance = if samples > 1 { eye[lane] + splats.sum_squares[lane] / (n * n) } else { 0.0 };
+                let variance = if samples > 1 { eye + splats.sum_squares[lane] / (n * n) } else { 0.0 };
                 pixel.sum_squares[lane] = n * ((n - 1.0) * variance + mean * mean);
             }
         }
