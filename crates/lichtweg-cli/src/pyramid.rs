@@ -100,36 +100,29 @@ fn write(args: &PyramidArgs, pyramid: &Pyramid) -> Result<(), Failure> {
         save(&args.output.join(format!("{name}.exr")), &layers(pyramid, image), &tone_map)?;
     }
     let total: f64 = pyramid.strategies.iter().map(|image| mean(&image.weighted)).sum();
-    let sheets: [(&str, fn(&StrategyImage) -> &[[f64; 3]]); 2] =
-        [("weighted", |image| &image.weighted), ("unweighted", |image| &image.unweighted)];
-    for (name, pixels) in sheets {
-        let tiles: Vec<Tile<'_>> = pyramid
-            .strategies
-            .iter()
-            .map(|image| {
-                let gain = gain(image);
-                let label = match name {
-                    "weighted" => format!("s={} t={} x{gain} {:.2}%", image.s, image.t, share(image, total)),
-                    _ => format!("s={} t={} x{gain}", image.s, image.t),
-                };
-                let place = [(image.s + image.t - 2) as usize, image.s as usize];
-                Tile { place, label, pixels: pixels(image), gain }
-            })
-            .collect();
+    for weighted in [true, false] {
+        let name = if weighted { "weighted" } else { "unweighted" };
+        let mut tiles = Vec::with_capacity(pyramid.strategies.len());
+        for image in &pyramid.strategies {
+            let pixels = if weighted { &image.weighted } else { &image.unweighted };
+            let tile = tile(image, pixels, weighted.then(|| share(image, total)));
+            let data = pixels.iter().flat_map(|p| p.map(|v| (v * tile.gain) as f32)).collect();
+            let single = picture_of(pyramid, vec![layer("", data)]);
+            save(&args.output.join(format!("{}-{name}.png", file_name(image))), &single, &tone_map)?;
+            tiles.push(tile);
+        }
         let picture = sheet(&tiles, [width as usize, height as usize]);
         save(&args.output.join(format!("{name}.png")), &picture, &tone_map)?;
-        for tile in &tiles {
-            let image =
-                &pyramid.strategies.iter().find(|i| tile.place == [(i.s + i.t - 2) as usize, i.s as usize]);
-            if let Some(image) = image {
-                let data = tile.pixels.iter().flat_map(|p| p.map(|v| (v * tile.gain) as f32)).collect();
-                let single = picture_of(pyramid, vec![layer("", data)]);
-                let path = args.output.join(format!("{}-{name}.png", file_name(image)));
-                save(&path, &single, &tone_map)?;
-            }
-        }
     }
     write_file(&args.output.join("index.html"), &page::page(pyramid, total))
+}
+
+/// Its place on the contact sheet, with its share in percent if that is to be told.
+fn tile<'a>(image: &StrategyImage, pixels: &'a [[f64; 3]], share: Option<f64>) -> Tile<'a> {
+    let gain = gain(image);
+    let share = share.map_or(String::new(), |share| format!(" {share:.2}%"));
+    let label = format!("s={} t={} x{gain}{share}", image.s, image.t);
+    Tile { place: [(image.s + image.t - 2) as usize, image.s as usize], label, pixels, gain }
 }
 
 /// How much brighter the pictures of a row are shown: paths of more edges carry less.

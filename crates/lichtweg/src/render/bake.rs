@@ -21,7 +21,7 @@ use crate::transport::{LightStart, Vertex, WalkCounts, WalkVisitor, walk_analog}
 pub enum Deposit {
     /// At every hit: what arrives.
     EveryHit,
-    /// Where it is absorbed: what arrives, over the probability of ending there. Says nothing of surfaces that absorb nothing.
+    /// Where it is absorbed: what arrives, over the probability of ending there: noisy on surfaces that absorb little.
     Absorption,
 }
 

@@ -210,7 +210,13 @@ impl<'a> Pair<'_, 'a> {
         path: &mut Vec<Vertex<'a>>,
         lens_hits: &mut Vec<LensHit>,
     ) {
+        // Every vertex is connected to all those of the other walk: vertices that carry little cost too much to play late.
+        let roulette = match self.settings.roulette {
+            Roulette::OFF => Roulette::OFF,
+            roulette => Roulette { start_depth: 1, ..roulette },
+        };
         let walk = Walk {
+            survival: Survival::Roulette(roulette),
             leaves_last: self.sensor.camera.lens_pdf().is_some(),
             ..self.walk(Mode::Importance, self.settings.max_depth - 1)
         };

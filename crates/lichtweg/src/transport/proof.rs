@@ -169,7 +169,8 @@ fn paths_are_what_their_factors_say() {
         assert!(wrong.len() as u32 <= paths / 2000, "{} of {paths}: {}", wrong.len(), wrong[0]);
         for s in 0..=7 {
             for t in 0..=7 - s {
-                let expected = s + t >= 2 && (t > 0 || aperture > 0.0);
+                // Long walks that hit the lens are rare.
+                let expected = s + t >= 2 && (t > 0 || (aperture > 0.0 && s <= 4));
                 assert!(
                     !expected || seen.contains_key(&(s, t)),
                     "({s}, {t}) is never seen with lens {aperture}"

@@ -20,7 +20,7 @@ pub enum Survival {
     /// By the throughput so far.
     Roulette(Roulette),
     /// At every surface, by its albedo: a number decides whether to reflect, to transmit, or to absorb, and what goes on
-    /// carries all of its power on.
+    /// carries all of its power on. Where nothing is absorbed, a thousandth is, so that every walk ends.
     Analog,
 }
 
@@ -183,7 +183,10 @@ impl<'a> Walk<'a> {
             Survival::Roulette(roulette) => {
                 roulette.survival_probability(depth as u32, next.throughput.max_element() * scale)
             }
-            Survival::Analog => (next.throughput.max_element() / vertex.throughput.max_element()).min(1.0),
+            Survival::Analog => {
+                let kept = next.throughput.max_element() / vertex.throughput.max_element();
+                kept.min(Roulette::default().max_survival)
+            }
         }
     }
 }
