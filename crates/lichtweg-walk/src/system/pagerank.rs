@@ -2,8 +2,8 @@
 //! teleport distribution and a the damping (Page, Brin, Motwani, Winograd 1999; Jeh and Widom 2003).
 //!
 //! From a node without edges out a walk teleports, as in NetworkX and fast-pagerank. That would be one dense row for each
-//! such node. Instead they all lead to one further unknown, the last, which leads to s: x_n = a sum of their ranks, and
-//! x = a P^T x + s (1 - a + x_n). The system stays sparse and the ranks are the same.
+//! such node. Instead they all lead to one further unknown, the last, which leads to s: x_n = sqrt(a) sum of their ranks, and
+//! x = a P^T x + s (1 - a + sqrt(a) x_n). The system stays sparse, the ranks are the same, and no column sums to one.
 
 use super::{System, SystemError, check_square, check_vector};
 use crate::Matrix;
@@ -51,13 +51,13 @@ impl System {
                 values.extend(row.values.iter().map(|value| damping * (value / mass)));
             } else if any_dangling {
                 indices.push(nodes as u32);
-                values.push(damping);
+                values.push(damping.sqrt());
             }
             offsets.push(values.len());
         }
         if any_dangling {
             indices.extend(0..nodes as u32);
-            values.extend_from_slice(&share);
+            values.extend(share.iter().map(|share| damping.sqrt() * share));
             offsets.push(values.len());
         }
         let walk = Matrix::from_csr(size, size, offsets, indices, values)
