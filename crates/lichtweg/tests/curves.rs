@@ -136,7 +136,8 @@ fn instances_are_what_they_would_be_in_their_place() {
     }
 }
 
-/// Of a band: the position is about linear in the surface coordinates, but where chords meet.
+/// Of a band: the position is about linear in the surface coordinates. Where chords meet in a round joint, u stays that of the
+/// joint, so that along the curve it is right to a radius.
 #[test]
 fn coordinates_go_along_and_across() {
     for style in [CurveStyle::Flat, CurveStyle::Ribbon] {
@@ -146,12 +147,20 @@ fn coordinates_go_along_and_across() {
             let partials = scene.form(0).partials(&p).expect("a curve has a direction everywhere");
             let [along, across] = partials;
             assert!(along.x > 0.0 && (0.0..=1.0).contains(&p.uv.x) && (0.0..=1.0).contains(&p.uv.y));
-            let step = along * 1e-3 + across * 1e-2;
-            let near = Ray { direction: ray.direction + step, ..ray };
-            let Some(q) = scene.intersect(&near, &mut RayCounts::default(), || 0.5) else { continue };
-            let predicted = along * (q.uv.x - p.uv.x) + across * (q.uv.y - p.uv.y);
-            let found = q.position - p.position;
-            off += u32::from((predicted - found).length() > 0.2 * step.length());
+            // What the coordinates of a hit near by say of a shift, and the shift, along a direction.
+            let shift = |step: Vec3, direction: Vec3| {
+                let near = Ray { direction: ray.direction + step, ..ray };
+                let q = scene.intersect(&near, &mut RayCounts::default(), || 0.5)?;
+                let told = along * (q.uv.x - p.uv.x) + across * (q.uv.y - p.uv.y);
+                let direction = direction.normalized();
+                Some((told.dot(direction), (q.position - p.position).dot(direction)))
+            };
+            let radius = 0.5 * across.length();
+            let (aside, ahead) = (across * 1e-2, along * 0.1);
+            let (Some(v), Some(u)) = (shift(aside, across), shift(ahead, along)) else { continue };
+            let wrong =
+                (v.0 - v.1).abs() > 0.2 * aside.length() || (u.0 - u.1).abs() > radius + 0.2 * ahead.length();
+            off += u32::from(wrong);
             number += 1;
         }
         assert!(number > 200 && off * 20 < number, "{style:?}: {off} of {number} are off");

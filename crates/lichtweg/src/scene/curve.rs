@@ -50,11 +50,12 @@ impl CurveForm {
     }
 
     /// How far a ray must start from the surface, in radii. A band that faces the ray turns with the ray, within a tube: a ray
-    /// that goes on from it must start outside (pbrt does the same). A ribbon's triangles are not quite in one plane.
+    /// that goes on from it must start outside (pbrt does the same). In a round joint that is seen at a slant, the point may lie a
+    /// radius behind the axis. A ribbon's triangles are not quite in one plane.
     fn stand_off(&self) -> f32 {
         match self.curves.style() {
             CurveStyle::Round => 0.0,
-            CurveStyle::Flat => 1.01,
+            CurveStyle::Flat => 2.01,
             CurveStyle::Ribbon => 1e-3,
         }
     }
