@@ -69,7 +69,10 @@ impl Solver<'_> {
             }
             let next = self.stage(&push, target, options, PILOT)?;
             note(&mut costs, &next, true);
-            pays = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            let paid = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            // The next stage cannot save more than what is above the fewest walks.
+            let can_pay = next.cheapest() - next.least > PUSHED * stage_operations as f64;
+            goes_on = paid && can_pay;
             steps += next.steps;
             stage = next;
         }
