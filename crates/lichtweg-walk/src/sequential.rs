@@ -31,6 +31,8 @@ pub struct Vector {
     pub steps: u64,
 }
 
+/// Stages that make nothing better, at most in a row: the residual is then as small as rounding allows, or walks do not help.
+const IN_VAIN: u32 = 5;
 /// Walks of one task, and tasks whose deposits are kept at a time.
 const CHUNK: u64 = 1024;
 const GROUP: usize = 64;
@@ -53,7 +55,9 @@ pub fn solve(
     let mut out = Vector { x: vec![0.0; n], residual: 1.0, stages: 0, walks: 0, steps: 0 };
     let mut residual = system.source().to_vec();
     let mut walks = walks.max(1);
-    while size > 0.0 && !is_enough(&out, &residual) && out.stages < stages {
+    let most = walks.saturating_mul(64);
+    let mut in_vain = 0;
+    while size > 0.0 && !is_enough(&out, &residual) && out.stages < stages && in_vain < IN_VAIN {
         // One sweep, whose residual the walks get.
         let mut y = out.x.clone();
         update(&mut y, &residual, |y, f| y + f);
@@ -69,11 +73,13 @@ pub fn solve(
         let relative = length(&next) / size;
         if relative < out.residual {
             if relative > 0.5 * out.residual {
-                walks = walks.saturating_mul(2);
+                walks = walks.saturating_mul(2).min(most);
             }
             (out.x, residual, out.residual) = (y, next, relative);
+            in_vain = 0;
         } else {
             walks = walks.saturating_mul(2);
+            in_vain += 1;
             if !largest(&out.x).is_finite() {
                 return Err(WalkError::Overflow);
             }

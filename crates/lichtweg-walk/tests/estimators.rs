@@ -171,13 +171,14 @@ fn quasi_random_walks_agree_and_are_less_noisy() {
     let kernel = Kernel::new(&m, Selection::Proportional);
     let start = Start::state(4);
     let walker = Walker::new(&kernel, &start, &b, Score::Collision, Ending::Analog).unwrap();
-    let (means, steps) = quasi_random(&walker, 3, 32, 1024).unwrap();
+    let (means, steps) = quasi_random(&walker, 3, 128, 1024).unwrap();
     let (low, high) = means.confidence_interval(0.9999);
     assert!(low < exact && exact < high, "{exact} {low} {high}");
-    assert!(steps > 32 * 1024 / 2);
-    let independent = walker.tally(3, 0, 32 * 1024).unwrap().moments;
+    assert!(steps > 128 * 1024 / 2);
+    let independent = walker.tally(3, 0, 128 * 1024).unwrap().moments;
     let gain = independent.variance_of_mean() / means.variance_of_mean();
-    assert!(gain > 2.0, "{gain}");
+    // Without a gain it would be 1, with a standard error of sqrt(2 / 128) = 0.125.
+    assert!(gain > 1.4, "{gain}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ const FAR_STEP: f64 = 80.0;
 /// Nanoseconds to create a walk.
 const CREATION: f64 = 40.0;
 /// Nanoseconds for each entry that is pushed.
-const PUSHED: f64 = 4.0;
+const PUSHED: f64 = 6.0;
 /// Nanoseconds for each entry of a matrix in a product, and for each unknown of a Krylov step.
 const PRODUCT_ENTRY: f64 = 1.0;
 const KRYLOV_UNKNOWN: f64 = 10.0;
@@ -43,8 +43,8 @@ impl Solver<'_> {
         note(&mut costs, &stage, false);
         let mut stage_operations = FIRST_STAGE;
         let (mut operations, mut half_width) = (0, self.pushed(&push).1);
-        let (mut pays, mut steps) = (true, stage.steps);
-        while pays && PUSHED * (operations as f64) < stage.cheapest().min(deterministic) {
+        let (mut goes_on, mut steps) = (true, stage.steps);
+        while goes_on && PUSHED * (operations as f64) < stage.cheapest().min(deterministic) {
             if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
                 let why = format!(
                     "its proven bound got small enough after {} pushes; a deterministic solver would take about {}",
@@ -69,7 +69,10 @@ impl Solver<'_> {
             }
             let next = self.stage(&push, target, options, PILOT)?;
             note(&mut costs, &next, true);
-            pays = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            let paid = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            // The next stage cannot save more than what is above the fewest walks.
+            let can_pay = next.cheapest() - next.least > PUSHED * stage_operations as f64;
+            goes_on = paid && can_pay;
             steps += next.steps;
             stage = next;
         }
