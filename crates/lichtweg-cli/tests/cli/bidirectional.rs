@@ -73,7 +73,8 @@ fn maps_are_made_of_what_is_lit() {
     for deposit in ["hit", "absorption"] {
         let output = format!("maps-{deposit}");
         place.succeed(&[&arguments[..], &["--deposit", deposit, "-o", &output]].concat());
-        assert_eq!(files(&place.path(&output)).len(), 2, "{deposit}");
+        // The floor, the ball, and the lamp, at which these shine back.
+        assert_eq!(files(&place.path(&output)).len(), 3, "{deposit}");
     }
     assert!(place.fail(2, &["bake", "scene.xml", "-o", "m", "--resolution", "0"]).contains("resolution"));
 }
