@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::binning::{Extent, Split, blocks};
+use super::binning::{Extent, Split, weight};
 use super::clip::Piece;
 use super::primitive::Primitive;
 use crate::geometry::Geometry;
@@ -29,7 +29,7 @@ pub(crate) struct SpatialSplit {
     position: f32,
     /// References that both sides get.
     pub duplicates: usize,
-    /// Sum over both sides of half area times number of blocks.
+    /// Sum over both sides of half area times [`weight`].
     pub cost: f32,
 }
 
@@ -140,7 +140,7 @@ fn sweep(histogram: &Histogram, slabs: &Slabs, total: usize, block: u32) -> Opti
             bounds = bounds.union(histogram.bounds[bin][axis]);
             count += histogram.ends[bin][axis];
             right_count[bin] = count;
-            right_cost[bin] = bounds.half_area() * blocks(count, block);
+            right_cost[bin] = bounds.half_area() * weight(count, block);
         }
         let (mut bounds, mut count) = (QuadBox::empty(), 0);
         for bin in 1..BINS {
@@ -149,7 +149,7 @@ fn sweep(histogram: &Histogram, slabs: &Slabs, total: usize, block: u32) -> Opti
             if count as usize == total || right_count[bin] as usize == total {
                 continue;
             }
-            let cost = bounds.half_area() * blocks(count, block) + right_cost[bin];
+            let cost = bounds.half_area() * weight(count, block) + right_cost[bin];
             if best.is_none_or(|b| cost < b.cost) {
                 let duplicates = (count + right_count[bin]) as usize - total;
                 best = Some(SpatialSplit { axis, position: slabs.plane(axis, bin), duplicates, cost });
