@@ -28,7 +28,7 @@ pub(crate) fn build(
         ChildRef::NOTHING
     } else {
         let (bins, room) = match quality {
-            BuildQuality::Fast => (16, 0.0),
+            BuildQuality::Fast => (8, 0.0),
             BuildQuality::High => (32, ROOM),
         };
         let extent = Extent::of(primitives);
