@@ -132,23 +132,11 @@ impl Float for F32 {
     }
 
     #[inline(always)]
-    fn load_slice(from: &[f32]) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_loadu_ps(from[..LANES].as_ptr()) })
-    }
-
-    #[inline(always)]
     fn to_lanes(self) -> Lanes<f32> {
         let mut out = Lanes([0.0; LANES]);
         // SAFETY: see above.
         unsafe { _mm512_store_ps(out.0.as_mut_ptr(), self.0) };
         out
-    }
-
-    #[inline(always)]
-    fn store_slice(self, to: &mut [f32]) {
-        // SAFETY: see above.
-        unsafe { _mm512_storeu_ps(to[..LANES].as_mut_ptr(), self.0) };
     }
 
     #[inline(always)]
@@ -354,23 +342,11 @@ impl Word for U32 {
     }
 
     #[inline(always)]
-    fn load_slice(from: &[u32]) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_loadu_si512(from[..LANES].as_ptr().cast()) })
-    }
-
-    #[inline(always)]
     fn to_lanes(self) -> Lanes<u32> {
         let mut out = Lanes([0; LANES]);
         // SAFETY: see above.
         unsafe { _mm512_store_si512(out.0.as_mut_ptr().cast(), self.0) };
         out
-    }
-
-    #[inline(always)]
-    fn store_slice(self, to: &mut [u32]) {
-        // SAFETY: see above.
-        unsafe { _mm512_storeu_si512(to[..LANES].as_mut_ptr().cast(), self.0) };
     }
 
     #[inline(always)]

@@ -112,12 +112,8 @@ pub trait Float:
     fn splat(x: f32) -> Self;
     /// From memory.
     fn load(from: &Lanes<f32>) -> Self;
-    /// Sixteen consecutive values from the start of a slice. Panics where there are fewer.
-    fn load_slice(from: &[f32]) -> Self;
     /// To memory.
     fn to_lanes(self) -> Lanes<f32>;
-    /// To the first sixteen places of a slice. Panics where there are fewer.
-    fn store_slice(self, to: &mut [f32]);
     /// a b + c, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// a b - c, rounded once.
@@ -192,12 +188,8 @@ pub trait Word:
     fn splat(x: u32) -> Self;
     /// From memory.
     fn load(from: &Lanes<u32>) -> Self;
-    /// Sixteen consecutive values from the start of a slice. Panics where there are fewer.
-    fn load_slice(from: &[u32]) -> Self;
     /// To memory.
     fn to_lanes(self) -> Lanes<u32>;
-    /// To the first sixteen places of a slice. Panics where there are fewer.
-    fn store_slice(self, to: &mut [u32]);
     /// Shifted left by `N` bits.
     fn shl<const N: u32>(self) -> Self;
     /// Shifted right by `N` bits, zeros shifted in.

@@ -177,20 +177,8 @@ impl Float for F32 {
     }
 
     #[inline(always)]
-    fn load_slice(from: &[f32]) -> Self {
-        let mut out = [0.0; LANES];
-        out.copy_from_slice(&from[..LANES]);
-        Self(out)
-    }
-
-    #[inline(always)]
     fn to_lanes(self) -> Lanes<f32> {
         Lanes(self.0)
-    }
-
-    #[inline(always)]
-    fn store_slice(self, to: &mut [f32]) {
-        to[..LANES].copy_from_slice(&self.0);
     }
 
     #[inline(always)]
@@ -341,20 +329,8 @@ impl Word for U32 {
     }
 
     #[inline(always)]
-    fn load_slice(from: &[u32]) -> Self {
-        let mut out = [0; LANES];
-        out.copy_from_slice(&from[..LANES]);
-        Self(out)
-    }
-
-    #[inline(always)]
     fn to_lanes(self) -> Lanes<u32> {
         Lanes(self.0)
-    }
-
-    #[inline(always)]
-    fn store_slice(self, to: &mut [u32]) {
-        to[..LANES].copy_from_slice(&self.0);
     }
 
     #[inline(always)]
