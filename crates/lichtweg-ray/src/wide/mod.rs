@@ -172,6 +172,7 @@ pub trait Word:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
+    + Sub<Output = Self>
     + Mul<Output = Self>
     + BitAnd<Output = Self>
     + BitOr<Output = Self>
