@@ -12,7 +12,7 @@ use crate::kind::Probe;
 use crate::simd::{Avx2, Avx512};
 use crate::simd::{Isa, Lanes as NarrowLanes, Portable, WIDTH};
 use crate::triangle::WideShear;
-use crate::wide::{self, Float, LANES, Mask, Wide, Word};
+use crate::wide::{self, Float, FloatLanes, LANES, Mask, Wide, Word, WordLanes};
 
 /// Where this many rays or fewer want a child, each goes on by itself.
 const FEW: u32 = 4;

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Float, LANES, Lanes, Long, Mask, Row, Wide, Word};
+use super::{Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes};
 
 // SAFETY (every block in this file): the intrinsics need AVX-512 F and DQ; values of these types exist only below the
 // dispatch that has detected them. Memory is touched by the loads and stores alone, which are unaligned ones of whole,
@@ -126,38 +126,6 @@ impl Float for F32 {
     }
 
     #[inline(always)]
-    fn load(from: &Lanes<f32>) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_load_ps(from.0.as_ptr()) })
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<f32> {
-        let mut out = Lanes([0.0; LANES]);
-        // SAFETY: see above.
-        unsafe { _mm512_store_ps(out.0.as_mut_ptr(), self.0) };
-        out
-    }
-
-    #[inline(always)]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_fmadd_ps(self.0, b.0, c.0) })
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_fmsub_ps(self.0, b.0, c.0) })
-    }
-
-    #[inline(always)]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_fnmadd_ps(self.0, b.0, c.0) })
-    }
-
-    #[inline(always)]
     fn sqrt(self) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_sqrt_ps(self.0) })
@@ -225,6 +193,40 @@ impl Float for F32 {
     fn truncate(self) -> U32 {
         // SAFETY: see above.
         U32(unsafe { _mm512_cvttps_epi32(self.0) })
+    }
+}
+
+impl FloatLanes for F32 {
+    #[inline(always)]
+    fn load(from: &Lanes<f32>) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_load_ps(from.0.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<f32> {
+        let mut out = Lanes([0.0; LANES]);
+        // SAFETY: see above.
+        unsafe { _mm512_store_ps(out.0.as_mut_ptr(), self.0) };
+        out
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_fmadd_ps(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_fmsub_ps(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_fnmadd_ps(self.0, b.0, c.0) })
     }
 
     #[inline(always)]
@@ -327,26 +329,11 @@ fn transpose(r: [__m512; LANES]) -> [__m512; LANES] {
 impl Word for U32 {
     type Mask = Mask16;
     type F32 = F32;
-    type U64 = U64;
 
     #[inline(always)]
     fn splat(x: u32) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_set1_epi32(x as i32) })
-    }
-
-    #[inline(always)]
-    fn load(from: &Lanes<u32>) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_load_si512(from.0.as_ptr().cast()) })
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<u32> {
-        let mut out = Lanes([0; LANES]);
-        // SAFETY: see above.
-        unsafe { _mm512_store_si512(out.0.as_mut_ptr().cast(), self.0) };
-        out
     }
 
     #[inline(always)]
@@ -389,6 +376,24 @@ impl Word for U32 {
     fn to_float(self) -> F32 {
         // SAFETY: see above.
         F32(unsafe { _mm512_cvtepi32_ps(self.0) })
+    }
+}
+
+impl WordLanes for U32 {
+    type U64 = U64;
+
+    #[inline(always)]
+    fn load(from: &Lanes<u32>) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_load_si512(from.0.as_ptr().cast()) })
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<u32> {
+        let mut out = Lanes([0; LANES]);
+        // SAFETY: see above.
+        unsafe { _mm512_store_si512(out.0.as_mut_ptr().cast(), self.0) };
+        out
     }
 
     #[inline(always)]

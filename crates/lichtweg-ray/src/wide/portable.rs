@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Float, LANES, Lanes, Long, Mask, Row, Wide, Word};
+use super::{Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes};
 
 /// Arrays.
 #[derive(Clone, Copy)]
@@ -172,35 +172,6 @@ impl Float for F32 {
     }
 
     #[inline(always)]
-    fn load(from: &Lanes<f32>) -> Self {
-        Self(from.0)
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<f32> {
-        Lanes(self.0)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].mul_add(b.0[i], c.0[i]);
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        self.mul_add(b, -c)
-    }
-
-    #[inline(always)]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        (-self).mul_add(b, c)
-    }
-
-    #[inline(always)]
     fn sqrt(self) -> Self {
         self.map(f32::sqrt)
     }
@@ -266,6 +237,37 @@ impl Float for F32 {
         }
         U32(out)
     }
+}
+
+impl FloatLanes for F32 {
+    #[inline(always)]
+    fn load(from: &Lanes<f32>) -> Self {
+        Self(from.0)
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<f32> {
+        Lanes(self.0)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        let mut out = self;
+        for i in 0..LANES {
+            out.0[i] = self.0[i].mul_add(b.0[i], c.0[i]);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, -c)
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        (-self).mul_add(b, c)
+    }
 
     #[inline(always)]
     fn compress(self, mask: Mask16) -> Self {
@@ -316,21 +318,10 @@ impl Float for F32 {
 impl Word for U32 {
     type Mask = Mask16;
     type F32 = F32;
-    type U64 = U64;
 
     #[inline(always)]
     fn splat(x: u32) -> Self {
         Self([x; LANES])
-    }
-
-    #[inline(always)]
-    fn load(from: &Lanes<u32>) -> Self {
-        Self(from.0)
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<u32> {
-        Lanes(self.0)
     }
 
     #[inline(always)]
@@ -378,6 +369,20 @@ impl Word for U32 {
             out[i] = self.0[i] as i32 as f32;
         }
         F32(out)
+    }
+}
+
+impl WordLanes for U32 {
+    type U64 = U64;
+
+    #[inline(always)]
+    fn load(from: &Lanes<u32>) -> Self {
+        Self(from.0)
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<u32> {
+        Lanes(self.0)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Every operation gives the same bits on every instruction set.
 
-use super::{Float, Kernel, LANES, Lanes, Long, Mask, Row, Wide, Word, on};
+use super::{Float, FloatLanes, Kernel, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes, on};
 use crate::simd::Isa;
 
 /// Awkward numbers, and ordinary ones.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Bounds3, Vec2, Vec3};
-use lichtweg_ray::wide::{Float, LANES, Row};
+use lichtweg_ray::wide::{FloatLanes, LANES, Row};
 use lichtweg_ray::{CurvePoint, Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
 use super::curve::CurveForm;
@@ -121,7 +121,7 @@ pub(crate) struct Facets<F> {
     pub error: F,
 }
 
-impl<F: Float> Facets<F> {
+impl<F: FloatLanes> Facets<F> {
     /// From the rows of [`MeshForm::row`].
     #[inline(always)]
     pub(crate) fn new(rows: &[&Row; LANES]) -> Self {

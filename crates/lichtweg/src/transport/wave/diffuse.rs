@@ -7,16 +7,17 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 
 use lichtweg_ray::HitPacket;
 use lichtweg_ray::math::Vec3;
-use lichtweg_ray::wide::{Float, LANES, Lanes, Mask, Row, Wide, Word};
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide, Word, WordLanes};
 
 use super::draws::Draws;
 use super::queue::{ConnectionLanes, WalkLanes};
-use super::vector::{Spectra, Vector};
 use super::{PathObserver, Step, lanes_of};
+use crate::color::Spectra;
 use crate::light::TrianglePick;
 use crate::scene::description::{Heuristic, LightStrategy};
 use crate::scene::{Diffuse, Facets, Form};
 use crate::transport::path::SHADOW_END;
+use lichtweg_ray::math::Vector;
 
 /// Sixteen points on diffuse triangles, and the shading frames there.
 struct Points<W: Wide> {

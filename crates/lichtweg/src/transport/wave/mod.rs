@@ -12,7 +12,6 @@
 mod diffuse;
 mod draws;
 mod queue;
-mod vector;
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::wide::{self, Kernel, LANES, Wide};
