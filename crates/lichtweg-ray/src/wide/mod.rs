@@ -111,6 +111,8 @@ pub trait Float:
     type Mask: Mask;
     /// One word a lane.
     type Bits: Word<Mask = Self::Mask, F32 = Self>;
+    /// One double a lane.
+    type Double: Double<Mask = Self::Mask, F32 = Self>;
 
     /// All lanes equal to `x`.
     fn splat(x: f32) -> Self;
@@ -146,6 +148,35 @@ pub trait Float:
     fn bits(self) -> Self::Bits;
     /// Rounded towards zero, as two's complement; lanes beyond 32 bits give any value.
     fn truncate(self) -> Self::Bits;
+    /// The same in double precision.
+    fn widen(self) -> Self::Double;
+}
+
+/// An `f64`, or sixteen.
+pub trait Double:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// One float a lane.
+    type F32: Float;
+
+    /// All lanes equal to `x`.
+    fn splat(x: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// |a| with the sign of `b`.
+    fn copysign(self, b: Self) -> Self;
+    /// a < b.
+    fn lt(self, b: Self) -> Self::Mask;
+    /// a <= b.
+    fn le(self, b: Self) -> Self::Mask;
+    /// a == b.
+    fn equal(self, b: Self) -> Self::Mask;
+    /// This where the mask is true, `other` elsewhere.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// The nearest floats.
+    fn narrow(self) -> Self::F32;
 }
 
 /// What only sixteen `f32` have.

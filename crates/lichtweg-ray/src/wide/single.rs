@@ -1,6 +1,6 @@
 //! One lane: plain numbers, for formulas that serve one path as well as sixteen.
 
-use super::{Float, Mask, Word};
+use super::{Double, Float, Mask, Word};
 
 impl Mask for bool {
     #[inline(always)]
@@ -17,6 +17,7 @@ impl Mask for bool {
 impl Float for f32 {
     type Mask = bool;
     type Bits = u32;
+    type Double = f64;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -76,6 +77,56 @@ impl Float for f32 {
     #[inline(always)]
     fn truncate(self) -> u32 {
         self as i32 as u32
+    }
+
+    #[inline(always)]
+    fn widen(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Double for f64 {
+    type Mask = bool;
+    type F32 = f32;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn copysign(self, b: Self) -> Self {
+        self.copysign(b)
+    }
+
+    #[inline(always)]
+    fn lt(self, b: Self) -> bool {
+        self < b
+    }
+
+    #[inline(always)]
+    fn le(self, b: Self) -> bool {
+        self <= b
+    }
+
+    #[inline(always)]
+    fn equal(self, b: Self) -> bool {
+        self == b
+    }
+
+    #[inline(always)]
+    fn select(self, mask: bool, other: Self) -> Self {
+        if mask { self } else { other }
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> f32 {
+        self as f32
     }
 }
 
