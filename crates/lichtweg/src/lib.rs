@@ -4,6 +4,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod color;
 pub mod film;
+mod lanes;
 pub mod light;
 pub mod render;
 pub mod scene;

@@ -4,15 +4,17 @@
 
 mod common;
 
-use common::build::{Build, bitmap, checkerboard, glass, grid, metal, plastic, rough};
+use common::build::{
+    Build, SPHERE, bitmap, checkerboard, glass, glow, grid, metal, placed, plastic, rectangle, rough,
+};
 use common::room::{add_ball, add_block, room};
 use common::run::{Estimator, compile_scene};
 use lichtweg::camera::Camera;
 use lichtweg::color::Spectrum;
 use lichtweg::scene::Scene;
 use lichtweg::scene::description::{
-    Description, Diagnostics, LightKind, MaterialKind, MicrofacetKind, RouletteDescription,
-    SpectrumDescription, TextureFilter, TextureInput,
+    AreaLightDescription, Description, Diagnostics, LightKind, MaterialId, MaterialKind, MicrofacetKind,
+    RoughnessDescription, RouletteDescription, SpectrumDescription, TextureFilter, TextureInput,
 };
 use lichtweg::transport::{PathTracer, WalkCounts, Wave};
 use lichtweg_montecarlo::{Sampler, SamplerKind};
@@ -107,6 +109,93 @@ fn lights_and_materials_of_all_kinds() {
         intensity: SpectrumDescription::Constant(0.5),
     });
     check("a bit of everything", &mut d);
+}
+
+/// A metal of a given roughness, on both sides.
+fn add_two_sided(d: &mut Description, [front, back]: [Option<RoughnessDescription>; 2]) -> MaterialId {
+    let [front, back] = [front, back].map(|roughness| d.material(metal(roughness)));
+    d.material(MaterialKind::TwoSided { front, back })
+}
+
+/// A sheet across the room, bent so that it is seen from all angles.
+fn add_sheet(d: &mut Description, height: f32, material: MaterialId) {
+    let bent = move |u: f32, v: f32| {
+        Vec3::new(2.0 * u - 1.0, 0.15 * (9.0 * u).sin() * (7.0 * v).cos() + height, 0.8 - 1.6 * v)
+    };
+    d.shape(grid(8, bent, true), Affine::IDENTITY, material);
+}
+
+#[test]
+fn rough_metals() {
+    use MicrofacetKind::{Beckmann, Ggx};
+    let mut d = room(1);
+    // One-sided and two-sided, alike and different on both sides, sharp and dull.
+    let sharp = add_two_sided(&mut d, [rough(Beckmann, 0.01, 0.01), rough(Beckmann, 0.3, 0.3)]);
+    let dull = d.material(metal(rough(Ggx, 0.4, 0.4)));
+    let both = add_two_sided(&mut d, [rough(Ggx, 0.1, 0.1), rough(Beckmann, 0.1, 0.1)]);
+    add_sheet(&mut d, -0.7, sharp);
+    add_sheet(&mut d, 0.5, dull);
+    add_ball(&mut d, both);
+    add_block(&mut d, dull);
+    check("rough metals", &mut d);
+}
+
+#[test]
+fn rough_metals_with_textures() {
+    let mut d = room(1);
+    let chess = d.texture(checkerboard([0.9, 0.5, 0.2], [0.1, 0.3, 0.6], 4.0));
+    let grey = d.texture(checkerboard([0.1; 3], [0.5; 3], 3.0));
+    let MaterialKind::Conductor { eta, k, .. } = metal(None) else { unreachable!() };
+    let mut metal = |roughness, specular_reflectance: &TextureInput| {
+        let specular_reflectance = specular_reflectance.clone();
+        d.material(MaterialKind::Conductor {
+            eta: eta.clone(),
+            k: k.clone(),
+            roughness,
+            specular_reflectance,
+        })
+    };
+    let tinted = metal(rough(MicrofacetKind::Ggx, 0.3, 0.3), &chess);
+    let mut uneven = rough(MicrofacetKind::Beckmann, 0.3, 0.3);
+    uneven.as_mut().unwrap().alpha_u = grey;
+    let uneven = metal(uneven, &TextureInput::number(1.0));
+    let brushed = metal(rough(MicrofacetKind::Beckmann, 0.1, 0.4), &chess);
+    add_sheet(&mut d, -0.6, tinted);
+    add_ball(&mut d, tinted);
+    add_sheet(&mut d, 0.5, brushed);
+    add_block(&mut d, uneven);
+    check("metals with textures", &mut d);
+}
+
+#[test]
+fn spheres_as_surfaces_and_as_lights() {
+    let mut d = room(1);
+    let chess = d.texture(checkerboard([0.8, 0.2, 0.1], [0.1, 0.2, 0.8], 5.0));
+    let painted = d.material(MaterialKind::Diffuse { reflectance: chess });
+    let shiny = add_two_sided(&mut d, [0.2, 0.3].map(|alpha| rough(MicrofacetKind::Ggx, alpha, alpha)));
+    let grey = d.diffuse([0.5; 3]);
+    add_ball(&mut d, painted);
+    add_sheet(&mut d, -0.9, shiny);
+    // Small and large, on the floor where the cone is wide, and one that shines inwards and is seen from inside.
+    for (center, radius) in [([0.5, -0.4, 0.3], 0.05), ([0.4, 0.2, -0.4], 0.3), ([-0.3, -0.98, 0.7], 0.2)] {
+        d.shape(SPHERE, placed(center, [radius; 3]), grey).emission = glow([2.0, 1.0, 3.0]);
+    }
+    let around = d.shape(SPHERE, placed([0.1, 0.2, 0.3], [6.0; 3]), shiny);
+    (around.emission, around.flip_normals) = (glow([0.1, 0.2, 0.3]), true);
+    // No similarity, and cut: neither is a sphere to waves.
+    d.shape(SPHERE, placed([0.0, 0.6, 0.0], [0.2, 0.1, 0.2]), shiny).emission = glow([1.0, 1.0, 0.0]);
+    check("spheres", &mut d);
+}
+
+#[test]
+fn lights_on_both_sides() {
+    let mut d = room(1);
+    let grey = d.diffuse([0.5; 3]);
+    let both = |radiance| glow(radiance).map(|light| AreaLightDescription { two_sided: true, ..light });
+    d.shape(SPHERE, placed([0.1, 0.2, 0.3], [5.0; 3]), grey).emission = both([0.1, 0.2, 0.3]);
+    d.shape(SPHERE, placed([0.4, -0.4, -0.2], [0.3; 3]), grey).emission = both([1.0, 2.0, 3.0]);
+    d.shape(rectangle(), placed([-0.4, -0.2, 0.3], [0.3; 3]), grey).emission = both([1.0, 2.0, 3.0]);
+    check("lights on both sides", &mut d);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::math::{Bounds3, Vec3};
 use crate::memory::Pages;
 use crate::simd::WIDTH;
-use crate::wide::{Wide, Word};
+use crate::wide::{Wide, Word, WordLanes};
 
 /// A child of a node: an inner node, a leaf of triangle blocks, or a leaf of other primitives.
 ///

@@ -113,6 +113,12 @@ pub(crate) struct Other {
 impl Other {
     pub(crate) const NONE: Self = Self { hit: Hit::NONE, id: Best::NOTHING };
 
+    /// A hit that its kind has not completed yet, and its running number.
+    #[inline(always)]
+    pub(crate) fn new(hit: Hit, id: u32) -> Self {
+        Self { hit, id }
+    }
+
     /// Running number of the primitive, or [`Best::NOTHING`].
     #[inline(always)]
     pub(crate) fn id(&self) -> u32 {

@@ -11,6 +11,7 @@ use super::in_range;
 use crate::accel::BuildError;
 use crate::math::{Affine, Bounds3, Vec3};
 use crate::ray::Ray;
+use crate::wide::{Double, Float};
 
 /// A quadric in its own space, about the z axis. Angles in radians; both sides can be hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,6 +111,8 @@ pub(crate) struct PlacedQuadric {
     phi_max: f64,
     /// No clip in azimuth.
     full_turn: bool,
+    /// A sphere without any clips.
+    whole_sphere: bool,
 }
 
 impl Quadric {
@@ -145,13 +148,15 @@ fn sphere_support(radial: f64, c: f64, lo: f64, hi: f64) -> f64 {
     radial * (1.0 - z * z).max(0.0).sqrt() + c * z
 }
 
-type Point = [f64; 3];
+type Point<D = f64> = [D; 3];
 
-fn dot(a: Point, b: Point) -> f64 {
+#[inline(always)]
+fn dot<D: Double>(a: Point<D>, b: Point<D>) -> D {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn along(o: Point, d: Point, t: f64) -> Point {
+#[inline(always)]
+fn along<D: Double>(o: Point<D>, d: Point<D>, t: D) -> Point<D> {
     [o[0] + d[0] * t, o[1] + d[1] * t, o[2] + d[2] * t]
 }
 
@@ -165,12 +170,16 @@ impl PlacedQuadric {
         let bounds = quadric.bounds();
         let world_to_object = quadric.object_to_world.inverse().filter(|_| in_range(&bounds));
         let phi_max = shape.phi_max();
+        let full_turn = phi_max >= TAU * (1.0 - 1e-6);
+        let uncut =
+            matches!(shape, QuadricShape::Sphere { z_min, z_max, .. } if z_min <= -1.0 && z_max >= 1.0);
         Ok(Self {
             bounds,
             world_to_object: world_to_object.ok_or(BuildError::SingularTransform { geometry })?,
             shape,
             phi_max,
-            full_turn: phi_max >= TAU * (1.0 - 1e-6),
+            full_turn,
+            whole_sphere: uncut && full_turn,
         })
     }
 
@@ -181,10 +190,15 @@ impl PlacedQuadric {
     /// The nearest t with `tnear < t <= tfar`, already rounded to `f32`.
     #[inline(never)]
     pub(crate) fn intersect(&self, ray: &Ray, tnear: f32, tfar: f32) -> Option<f32> {
+        if self.whole_sphere {
+            let (t, hit) =
+                self.intersect_sphere(ray.origin.to_array(), ray.direction.to_array(), tnear, tfar);
+            return hit.then_some(t);
+        }
         let (o, d) = self.local(ray);
         let roots = match self.shape {
-            QuadricShape::Sphere { .. } => quadratic(o, d, 3)?,
-            QuadricShape::Cylinder { .. } => quadratic(o, d, 2)?,
+            QuadricShape::Sphere { .. } => roots(o, d)?,
+            QuadricShape::Cylinder { .. } => roots([o[0], o[1], 0.0], [d[0], d[1], 0.0])?,
             QuadricShape::Disk { .. } => {
                 let t = -o[2] / d[2];
                 [t, t]
@@ -194,6 +208,32 @@ impl PlacedQuadric {
             let t = exact as f32;
             (t > tnear && t <= tfar && self.keeps(along(o, d, exact))).then_some(t)
         })
+    }
+
+    /// Whether this is a sphere without any clips.
+    #[inline]
+    pub(crate) fn is_whole_sphere(&self) -> bool {
+        self.whole_sphere
+    }
+
+    /// [`PlacedQuadric::intersect`] of a whole sphere, for one ray or sixteen; and where there is a hit.
+    #[inline(always)]
+    pub(crate) fn intersect_sphere<F: Float>(
+        &self,
+        origin: [F; 3],
+        direction: [F; 3],
+        tnear: F,
+        tfar: F,
+    ) -> (F, F::Mask) {
+        let [ox, oy, oz] = origin;
+        let [dx, dy, dz] = direction;
+        let (o, d) =
+            self.to_object([ox.widen(), oy.widen(), oz.widen()], [dx.widen(), dy.widen(), dz.widen()]);
+        let (roots, real) = quadratic(o, d);
+        let (t0, t1) = (roots[0].narrow(), roots[1].narrow());
+        let first = tnear.lt(t0) & t0.le(tfar);
+        let second = tnear.lt(t1) & t1.le(tfar);
+        (t0.select(first, t1), real & (first | second))
     }
 
     /// Surface parameters (u, v) of the point at `t`.
@@ -229,13 +269,17 @@ impl PlacedQuadric {
     }
 
     fn local(&self, ray: &Ray) -> (Point, Point) {
-        let o = ray.origin.to_array().map(f64::from);
-        let d = ray.direction.to_array().map(f64::from);
-        let m = &self.world_to_object.rows;
-        (
-            m.map(|r| r[0] * o[0] + r[1] * o[1] + r[2] * o[2] + r[3]),
-            m.map(|r| r[0] * d[0] + r[1] * d[1] + r[2] * d[2]),
-        )
+        self.to_object(ray.origin.to_array().map(f64::from), ray.direction.to_array().map(f64::from))
+    }
+
+    /// An origin and a direction in object space.
+    #[inline(always)]
+    fn to_object<D: Double>(&self, o: Point<D>, d: Point<D>) -> (Point<D>, Point<D>) {
+        let linear =
+            |r: &[f64; 4], p: Point<D>| D::splat(r[0]) * p[0] + D::splat(r[1]) * p[1] + D::splat(r[2]) * p[2];
+        let [x, y, z] = &self.world_to_object.rows;
+        let point = |r: &[f64; 4]| linear(r, o) + D::splat(r[3]);
+        ([point(x), point(y), point(z)], [linear(x, d), linear(y, d), linear(z, d)])
     }
 
     /// Whether the clips in height, radius and azimuth keep a point of the full surface.
@@ -262,25 +306,27 @@ fn azimuth(p: Point) -> f64 {
     if phi < 0.0 { phi + TAU } else { phi }
 }
 
-/// Both roots, in order, of |o + t d| = 1 over the first `dimensions` components.
-fn quadratic(mut o: Point, mut d: Point, dimensions: usize) -> Option<[f64; 2]> {
-    if dimensions == 2 {
-        (o[2], d[2]) = (0.0, 0.0);
-    }
+/// Both roots, in order, of |o + t d| = 1.
+fn roots(o: Point, d: Point) -> Option<[f64; 2]> {
+    let (roots, real) = quadratic(o, d);
+    real.then_some(roots)
+}
+
+/// [`roots`], for one ray or sixteen, and whether they are real.
+#[inline(always)]
+fn quadratic<D: Double>(o: Point<D>, d: Point<D>) -> ([D; 2], D::Mask) {
+    let (zero, one) = (D::splat(0.0), D::splat(1.0));
     let a = dot(d, d);
     let b = dot(o, d);
     // The point of the line nearest to the centre: its distance decides without cancellation.
     let nearest = along(o, d, -b / a);
-    let discriminant = a * (1.0 - dot(nearest, nearest));
-    if !(a > 0.0 && discriminant >= 0.0) {
-        return None;
-    }
+    let discriminant = a * (one - dot(nearest, nearest));
+    let real = zero.lt(a) & zero.le(discriminant);
     let q = -b - discriminant.sqrt().copysign(b);
-    let c = dot(o, o) - 1.0;
-    let (t0, t1) = (q / a, c / q);
+    let c = dot(o, o) - one;
     // q = 0 only for a centre on a tangent line, where both roots are zero.
-    if q == 0.0 {
-        return Some([0.0, 0.0]);
-    }
-    Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
+    let tangent = q.equal(zero);
+    let (t0, t1) = (zero.select(tangent, q / a), zero.select(tangent, c / q));
+    let ordered = t0.lt(t1);
+    ([t0.select(ordered, t1), t1.select(ordered, t0)], real)
 }

@@ -10,4 +10,4 @@ mod vector;
 pub use affine::Affine;
 pub use bounds::Bounds3;
 pub use motion::Motion;
-pub use vector::{Vec2, Vec3};
+pub use vector::{Vec2, Vec3, Vector};

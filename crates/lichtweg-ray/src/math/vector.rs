@@ -1,6 +1,8 @@
-//! Two- and three-component vectors of `f32`; points, directions and normals are all [`Vec3`].
+//! Two- and three-component vectors; points, directions and normals are all [`Vec3`], or sixteen of them a [`Vector`] of lanes.
 
 use std::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::wide::Float;
 
 /// A pair of `f32`: texture coordinates, raster positions, sample pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,17 +14,20 @@ pub struct Vec2 {
     pub y: f32,
 }
 
-/// A point, direction or normal in three dimensions.
+/// A vector of three dimensions, or as many as `F` has lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
-pub struct Vec3 {
+pub struct Vector<F> {
     /// First component.
-    pub x: f32,
+    pub x: F,
     /// Second component.
-    pub y: f32,
+    pub y: F,
     /// Third component.
-    pub z: f32,
+    pub z: F,
 }
+
+/// A point, direction or normal in three dimensions.
+pub type Vec3 = Vector<f32>;
 
 impl Vec2 {
     /// The origin.
@@ -41,6 +46,46 @@ impl Vec2 {
     }
 }
 
+impl<F> Vector<F> {
+    /// A vector from its components.
+    #[inline(always)]
+    pub const fn new(x: F, y: F, z: F) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<F: Float> Vector<F> {
+    /// Scalar product.
+    #[inline(always)]
+    pub fn dot(self, o: Self) -> F {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+
+    /// Squared Euclidean length.
+    #[inline(always)]
+    pub fn length_squared(self) -> F {
+        self.dot(self)
+    }
+
+    /// Euclidean length.
+    #[inline(always)]
+    pub fn length(self) -> F {
+        self.length_squared().sqrt()
+    }
+
+    /// The vector scaled to unit length; not finite for the zero vector.
+    #[inline(always)]
+    pub fn normalized(self) -> Self {
+        self * (F::splat(1.0) / self.length())
+    }
+
+    /// This where the mask is true, `other` elsewhere.
+    #[inline(always)]
+    pub fn select(self, mask: F::Mask, other: Self) -> Self {
+        Self::new(self.x.select(mask, other.x), self.y.select(mask, other.y), self.z.select(mask, other.z))
+    }
+}
+
 impl Vec3 {
     /// The origin.
     pub const ZERO: Self = Self::splat(0.0);
@@ -52,12 +97,6 @@ impl Vec3 {
     pub const Y: Self = Self::new(0.0, 1.0, 0.0);
     /// The third axis.
     pub const Z: Self = Self::new(0.0, 0.0, 1.0);
-
-    /// A vector from its components.
-    #[inline]
-    pub const fn new(x: f32, y: f32, z: f32) -> Self {
-        Self { x, y, z }
-    }
 
     /// A vector with three equal components.
     #[inline]
@@ -77,34 +116,10 @@ impl Vec3 {
         [self.x, self.y, self.z]
     }
 
-    /// Scalar product.
-    #[inline]
-    pub fn dot(self, o: Self) -> f32 {
-        self.x * o.x + self.y * o.y + self.z * o.z
-    }
-
     /// Vector product.
     #[inline]
     pub fn cross(self, o: Self) -> Self {
         Self::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
-    }
-
-    /// Squared Euclidean length.
-    #[inline]
-    pub fn length_squared(self) -> f32 {
-        self.dot(self)
-    }
-
-    /// Euclidean length.
-    #[inline]
-    pub fn length(self) -> f32 {
-        self.length_squared().sqrt()
-    }
-
-    /// The vector scaled to unit length; not finite for the zero vector.
-    #[inline]
-    pub fn normalized(self) -> Self {
-        self * (1.0 / self.length())
     }
 
     /// The vector scaled to unit length, or `None` where that is not finite.
@@ -151,59 +166,71 @@ impl Vec3 {
     }
 }
 
+/// Arithmetic by components; `$bound` is what they need, `$f` what they are.
 macro_rules! componentwise {
-    ($t:ident: $($c:ident),+) => {
-        impl Add for $t {
+    ($t:ty, $f:ty $(, $bound:ident)?: $($c:ident),+) => {
+        impl$(<F: $bound>)? Add for $t {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn add(self, o: Self) -> Self { Self { $($c: self.$c + o.$c),+ } }
         }
-        impl Sub for $t {
+        impl$(<F: $bound>)? Sub for $t {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn sub(self, o: Self) -> Self { Self { $($c: self.$c - o.$c),+ } }
         }
-        impl Mul for $t {
+        impl$(<F: $bound>)? Mul for $t {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn mul(self, o: Self) -> Self { Self { $($c: self.$c * o.$c),+ } }
         }
-        impl Mul<f32> for $t {
+        impl$(<F: $bound>)? Mul<$f> for $t {
             type Output = Self;
-            #[inline]
-            fn mul(self, s: f32) -> Self { Self { $($c: self.$c * s),+ } }
+            #[inline(always)]
+            fn mul(self, s: $f) -> Self { Self { $($c: self.$c * s),+ } }
         }
-        impl Mul<$t> for f32 {
-            type Output = $t;
-            #[inline]
-            fn mul(self, v: $t) -> $t { v * self }
-        }
-        impl Div<f32> for $t {
+        impl$(<F: $bound>)? Div<$f> for $t {
             type Output = Self;
-            #[inline]
-            fn div(self, s: f32) -> Self { self * (1.0 / s) }
+            #[inline(always)]
+            fn div(self, s: $f) -> Self { self * (<$f as Float>::splat(1.0) / s) }
         }
-        impl Neg for $t {
+        impl$(<F: $bound>)? Neg for $t {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn neg(self) -> Self { Self { $($c: -self.$c),+ } }
         }
-        impl AddAssign for $t {
-            #[inline]
+        impl$(<F: $bound>)? AddAssign for $t {
+            #[inline(always)]
             fn add_assign(&mut self, o: Self) { *self = *self + o; }
         }
-        impl SubAssign for $t {
-            #[inline]
+        impl$(<F: $bound>)? SubAssign for $t {
+            #[inline(always)]
             fn sub_assign(&mut self, o: Self) { *self = *self - o; }
         }
-        impl MulAssign<f32> for $t {
-            #[inline]
-            fn mul_assign(&mut self, s: f32) { *self = *self * s; }
+        impl$(<F: $bound>)? MulAssign<$f> for $t {
+            #[inline(always)]
+            fn mul_assign(&mut self, s: $f) { *self = *self * s; }
         }
     };
 }
-componentwise!(Vec2: x, y);
-componentwise!(Vec3: x, y, z);
+componentwise!(Vec2, f32: x, y);
+componentwise!(Vector<F>, F, Float: x, y, z);
+
+impl Mul<Vec2> for f32 {
+    type Output = Vec2;
+    #[inline]
+    fn mul(self, v: Vec2) -> Vec2 {
+        v * self
+    }
+}
+
+impl Mul<Vec3> for f32 {
+    type Output = Vec3;
+    #[inline]
+    fn mul(self, v: Vec3) -> Vec3 {
+        v * self
+    }
+}
 
 impl Index<usize> for Vec3 {
     type Output = f32;

@@ -4,7 +4,7 @@ use crate::build::MAX_COORDINATE;
 use crate::bvh::slab::TINY;
 use crate::math::Vec3;
 use crate::triangle::{SLACK, Shear, TINY_AREA};
-use crate::wide::{Float, Mask, Wide, Word};
+use crate::wide::{Float, FloatLanes, Mask, Wide, Word};
 
 use super::RayPacket;
 

@@ -1,9 +1,9 @@
 //! A packet's answers are those of its rays one by one, bit by bit, on every instruction set.
 
 use crate::agreement::{Random, ray, scene};
-use crate::math::Vec3;
+use crate::math::{Affine, Vec3};
 use crate::simd::Isa;
-use crate::{Accel, BuildOptions, Hit, Ray};
+use crate::{Accel, BuildOptions, Hit, Quadric, QuadricShape, Ray};
 
 fn bits(hit: Option<Hit>) -> Option<[u32; 7]> {
     hit.map(|h| {
@@ -44,6 +44,32 @@ fn coherent_rays_agree() {
         let towards =
             |i: usize| Vec3::new((i % 100) as f32 / 50.0 - 1.0, (i / 100) as f32 / 50.0 - 1.0, 0.0) - eye;
         let rays: Vec<Ray> = (0..10_000).map(|i| Ray::new(eye, towards(i))).collect();
+        check(&mut accel, &rays);
+    }
+}
+
+#[test]
+fn spheres_agree() {
+    let mut random = Random(41);
+    let mut all = scene(&mut random, 30);
+    for i in 0..30 {
+        let [x, y, z] = random.point().to_array().map(f64::from);
+        let size = 0.3 + 0.2 * f64::from(random.next());
+        let object_to_world = Affine::translation(x, y, z).after(&Affine::scaling(
+            size,
+            size,
+            if i % 5 == 0 { 0.1 } else { size },
+        ));
+        let sphere = Quadric { shape: QuadricShape::SPHERE, object_to_world };
+        // Some twice, so that the lowest number has to win.
+        all.extend(vec![sphere.into(); 1 + i % 2]);
+    }
+    let mut accel = Accel::build(all, BuildOptions::default()).unwrap();
+    for eye in [Vec3::new(0.0, 0.0, 3.0), Vec3::new(0.1, 0.2, 0.3)] {
+        let towards =
+            |i: usize| Vec3::new((i % 100) as f32 / 50.0 - 1.0, (i / 100) as f32 / 50.0 - 1.0, -0.7) - eye;
+        let far = |i: usize| if i.is_multiple_of(5) { 1.1 } else { f32::INFINITY };
+        let rays: Vec<Ray> = (0..10_000).map(|i| Ray::new(eye, towards(i)).between(0.3, far(i))).collect();
         check(&mut accel, &rays);
     }
 }

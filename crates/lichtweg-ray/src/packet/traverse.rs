@@ -7,12 +7,13 @@ use super::{HitPacket, RayPacket};
 use crate::accel::Accel;
 use crate::bvh::slab::{Slab, prepare};
 use crate::bvh::{Best, Block, ChildRef, MAX_DEPTH, Other, descend};
-use crate::kind::Probe;
+use crate::kind::{Item, Kind, Probe};
+use crate::ray::Hit;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
 use crate::simd::{Isa, Lanes as NarrowLanes, Portable, WIDTH};
 use crate::triangle::WideShear;
-use crate::wide::{self, Float, LANES, Mask, Wide, Word};
+use crate::wide::{self, Float, FloatLanes, LANES, Mask, Wide, Word, WordLanes};
 
 /// Where this many rays or fewer want a child, each goes on by itself.
 const FEW: u32 = 4;
@@ -246,6 +247,9 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
     /// A leaf of primitives that are no triangles.
     #[inline(always)]
     fn others_leaf<const ANY: bool>(&mut self, leaf: ChildRef, mut lanes: u32) {
+        if lanes.count_ones() > FEW && self.spheres_leaf::<ANY>(leaf, lanes) {
+            return;
+        }
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
@@ -257,6 +261,43 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
                 self.bests.set(lane, &best);
             }
         }
+    }
+
+    /// A leaf of whole spheres; `false`, and nothing done, where it is none.
+    #[inline(always)]
+    fn spheres_leaf<const ANY: bool>(&mut self, leaf: ChildRef, lanes: u32) -> bool {
+        let (begin, count) = leaf.leaf();
+        let items = &self.accel.items[begin..begin + count];
+        let sphere = |geometry: u32| match &self.accel.kinds[geometry as usize] {
+            Kind::Quadric(quadric) if quadric.is_whole_sphere() => Some(quadric),
+            _ => None,
+        };
+        if items.iter().any(|item| sphere(item.geometry).is_none()) {
+            return false;
+        }
+        let load = |v: &[_; 3]| [W::F32::load(&v[0]), W::F32::load(&v[1]), W::F32::load(&v[2])];
+        let (origin, direction) = (load(&self.rays.origin), load(&self.rays.direction));
+        for &Item { geometry, .. } in items {
+            let Some(sphere) = sphere(geometry) else { continue };
+            let (t, hit) = sphere.intersect_sphere(origin, direction, self.prepared.tnear, self.bests.t);
+            let hit = hit & W::Mask::from_bits(lanes);
+            if ANY {
+                self.found |= hit.bits();
+                continue;
+            }
+            let id = self.accel.bvh.numbering.number(geometry, 0);
+            let number = W::U32::splat(id);
+            let nearer = hit & (t.lt(self.bests.t) | number.lt(self.bests.id));
+            self.bests.t = t.select(nearer, self.bests.t);
+            self.bests.id = number.select(nearer, self.bests.id);
+            let (zero, t) = (W::F32::splat(0.0), t.to_lanes());
+            self.bests.u = zero.select(nearer, self.bests.u);
+            self.bests.v = zero.select(nearer, self.bests.v);
+            for lane in (0..LANES).filter(|lane| nearer.bits() >> lane & 1 != 0) {
+                *self.other(lane) = Other::new(Hit::plain(t.0[lane], 0.0, 0.0, geometry, 0), id);
+            }
+        }
+        true
     }
 
     /// Some rays one by one.

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Float, LANES, Lanes, Long, Mask, Row, Wide, Word};
+use super::{Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes};
 
 // SAFETY (every block in this file): the intrinsics need AVX-512 F and DQ; values of these types exist only below the
 // dispatch that has detected them. Memory is touched by the loads and stores alone, which are unaligned ones of whole,
@@ -31,6 +31,10 @@ pub(crate) struct U32(__m512i);
 /// Sixteen `u64`: lanes 0 to 7, and 8 to 15.
 #[derive(Clone, Copy)]
 pub(crate) struct U64(__m512i, __m512i);
+
+/// Sixteen `f64`: lanes 0 to 7, and 8 to 15.
+#[derive(Clone, Copy)]
+pub(crate) struct F64(__m512d, __m512d);
 
 /// Sixteen bits.
 #[derive(Clone, Copy)]
@@ -60,6 +64,28 @@ operators!(
     U32 BitAnd bitand _mm512_and_si512,
     U32 BitOr bitor _mm512_or_si512,
     U32 BitXor bitxor _mm512_xor_si512,
+);
+
+/// Operators of a type around two registers.
+macro_rules! operators_of_pairs {
+    ($($name:ident $op:ident $f:ident $intrinsic:ident),+ $(,)?) => {$(
+        impl $op for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $f(self, rhs: Self) -> Self {
+                // SAFETY: see above.
+                unsafe { Self($intrinsic(self.0, rhs.0), $intrinsic(self.1, rhs.1)) }
+            }
+        }
+    )+};
+}
+operators_of_pairs!(
+    F64 Add add _mm512_add_pd,
+    F64 Sub sub _mm512_sub_pd,
+    F64 Mul mul _mm512_mul_pd,
+    F64 Div div _mm512_div_pd,
+    U64 BitXor bitxor _mm512_xor_si512,
+    U64 BitOr bitor _mm512_or_si512,
 );
 
 impl Neg for F32 {
@@ -118,43 +144,12 @@ impl Mask for Mask16 {
 impl Float for F32 {
     type Mask = Mask16;
     type Bits = U32;
+    type Double = F64;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_set1_ps(x) })
-    }
-
-    #[inline(always)]
-    fn load(from: &Lanes<f32>) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_load_ps(from.0.as_ptr()) })
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<f32> {
-        let mut out = Lanes([0.0; LANES]);
-        // SAFETY: see above.
-        unsafe { _mm512_store_ps(out.0.as_mut_ptr(), self.0) };
-        out
-    }
-
-    #[inline(always)]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_fmadd_ps(self.0, b.0, c.0) })
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_fmsub_ps(self.0, b.0, c.0) })
-    }
-
-    #[inline(always)]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_fnmadd_ps(self.0, b.0, c.0) })
     }
 
     #[inline(always)]
@@ -225,6 +220,138 @@ impl Float for F32 {
     fn truncate(self) -> U32 {
         // SAFETY: see above.
         U32(unsafe { _mm512_cvttps_epi32(self.0) })
+    }
+
+    #[inline(always)]
+    fn widen(self) -> F64 {
+        // SAFETY: see above.
+        unsafe {
+            F64(
+                _mm512_cvtps_pd(_mm512_castps512_ps256(self.0)),
+                _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(self.0)),
+            )
+        }
+    }
+}
+
+impl Neg for F64 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm512_set1_pd(-0.0);
+            Self(_mm512_xor_pd(self.0, sign), _mm512_xor_pd(self.1, sign))
+        }
+    }
+}
+
+impl F64 {
+    /// A comparison of both registers.
+    #[inline(always)]
+    fn compare<const PREDICATE: i32>(self, b: Self) -> Mask16 {
+        // SAFETY: see above.
+        let (low, high) = unsafe {
+            (_mm512_cmp_pd_mask::<PREDICATE>(self.0, b.0), _mm512_cmp_pd_mask::<PREDICATE>(self.1, b.1))
+        };
+        Mask16(u16::from(low) | u16::from(high) << 8)
+    }
+}
+
+impl Double for F64 {
+    type Mask = Mask16;
+    type F32 = F32;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        // SAFETY: see above.
+        let all = unsafe { _mm512_set1_pd(x) };
+        Self(all, all)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see above.
+        unsafe { Self(_mm512_sqrt_pd(self.0), _mm512_sqrt_pd(self.1)) }
+    }
+
+    #[inline(always)]
+    fn copysign(self, b: Self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm512_set1_pd(-0.0);
+            let one = |a, b| _mm512_or_pd(_mm512_andnot_pd(sign, a), _mm512_and_pd(sign, b));
+            Self(one(self.0, b.0), one(self.1, b.1))
+        }
+    }
+
+    #[inline(always)]
+    fn lt(self, b: Self) -> Mask16 {
+        self.compare::<_CMP_LT_OQ>(b)
+    }
+
+    #[inline(always)]
+    fn le(self, b: Self) -> Mask16 {
+        self.compare::<_CMP_LE_OQ>(b)
+    }
+
+    #[inline(always)]
+    fn equal(self, b: Self) -> Mask16 {
+        self.compare::<_CMP_EQ_OQ>(b)
+    }
+
+    #[inline(always)]
+    fn select(self, mask: Mask16, other: Self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            Self(
+                _mm512_mask_blend_pd(mask.0 as __mmask8, other.0, self.0),
+                _mm512_mask_blend_pd((mask.0 >> 8) as __mmask8, other.1, self.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> F32 {
+        // SAFETY: see above.
+        unsafe {
+            let (low, high) = (_mm512_cvtpd_ps(self.0), _mm512_cvtpd_ps(self.1));
+            F32(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high))
+        }
+    }
+}
+
+impl FloatLanes for F32 {
+    #[inline(always)]
+    fn load(from: &Lanes<f32>) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_load_ps(from.0.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<f32> {
+        let mut out = Lanes([0.0; LANES]);
+        // SAFETY: see above.
+        unsafe { _mm512_store_ps(out.0.as_mut_ptr(), self.0) };
+        out
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_fmadd_ps(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_fmsub_ps(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_fnmadd_ps(self.0, b.0, c.0) })
     }
 
     #[inline(always)]
@@ -327,26 +454,11 @@ fn transpose(r: [__m512; LANES]) -> [__m512; LANES] {
 impl Word for U32 {
     type Mask = Mask16;
     type F32 = F32;
-    type U64 = U64;
 
     #[inline(always)]
     fn splat(x: u32) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_set1_epi32(x as i32) })
-    }
-
-    #[inline(always)]
-    fn load(from: &Lanes<u32>) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_load_si512(from.0.as_ptr().cast()) })
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<u32> {
-        let mut out = Lanes([0; LANES]);
-        // SAFETY: see above.
-        unsafe { _mm512_store_si512(out.0.as_mut_ptr().cast(), self.0) };
-        out
     }
 
     #[inline(always)]
@@ -390,6 +502,24 @@ impl Word for U32 {
         // SAFETY: see above.
         F32(unsafe { _mm512_cvtepi32_ps(self.0) })
     }
+}
+
+impl WordLanes for U32 {
+    type U64 = U64;
+
+    #[inline(always)]
+    fn load(from: &Lanes<u32>) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_load_si512(from.0.as_ptr().cast()) })
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<u32> {
+        let mut out = Lanes([0; LANES]);
+        // SAFETY: see above.
+        unsafe { _mm512_store_si512(out.0.as_mut_ptr().cast(), self.0) };
+        out
+    }
 
     #[inline(always)]
     fn gather(table: &[u32], index: Self) -> Self {
@@ -413,24 +543,6 @@ impl Word for U32 {
     fn compress(self, mask: Mask16) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_maskz_compress_epi32(mask.0, self.0) })
-    }
-}
-
-impl BitXor for U64 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitxor(self, b: Self) -> Self {
-        // SAFETY: see above.
-        unsafe { Self(_mm512_xor_si512(self.0, b.0), _mm512_xor_si512(self.1, b.1)) }
-    }
-}
-
-impl BitOr for U64 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, b: Self) -> Self {
-        // SAFETY: see above.
-        unsafe { Self(_mm512_or_si512(self.0, b.0), _mm512_or_si512(self.1, b.1)) }
     }
 }
 

@@ -5,7 +5,7 @@
 //! operation is exactly rounded and treats NaN alike, so that all instruction sets give the same bits.
 //!
 //! ```
-//! use lichtweg_ray::wide::{self, Float, Kernel, Lanes, Wide};
+//! use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, Lanes, Wide};
 //!
 //! struct Hypotenuse(Lanes<f32>, Lanes<f32>);
 //!
@@ -33,6 +33,7 @@
 mod avx512;
 #[allow(clippy::needless_range_loop, reason = "as above")]
 mod portable;
+mod single;
 #[cfg(test)]
 mod tests;
 
@@ -70,22 +71,22 @@ impl<T: Copy + Default> Default for Lanes<T> {
 /// An instruction set, as a kernel sees it: the types of its registers.
 pub trait Wide: Copy + 'static {
     /// Sixteen `f32`.
-    type F32: Float<Mask = Self::Mask, Bits = Self::U32>;
+    type F32: FloatLanes<Mask = Self::Mask, Bits = Self::U32>;
     /// Sixteen `u32`.
-    type U32: Word<Mask = Self::Mask, F32 = Self::F32, U64 = Self::U64>;
+    type U32: WordLanes<Mask = Self::Mask, F32 = Self::F32, U64 = Self::U64>;
     /// Sixteen `u64`.
     type U64: Long<U32 = Self::U32>;
     /// Sixteen truth values.
     type Mask: Mask;
 }
 
-/// Sixteen truth values.
+/// A truth value, or sixteen.
 pub trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
     /// From bits: lane i is bit i.
     fn from_bits(bits: u32) -> Self;
-    /// Lane i as bit i; the upper half is zero.
+    /// Lane i as bit i; the bits above are zero.
     fn bits(self) -> u32;
     /// Whether any lane is true.
     #[inline(always)]
@@ -99,27 +100,22 @@ pub trait Mask:
     }
 }
 
-/// Sixteen `f32`.
+/// An `f32`, or sixteen: what formulas are written over that serve one path and many.
+///
+/// A single number has the same operations, in the same rounding: so whoever computes with these alone gives a path the same
+/// bits by itself and among others.
 pub trait Float:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// One truth value a lane.
     type Mask: Mask;
     /// One word a lane.
-    type Bits: Word;
+    type Bits: Word<Mask = Self::Mask, F32 = Self>;
+    /// One double a lane.
+    type Double: Double<Mask = Self::Mask, F32 = Self>;
 
     /// All lanes equal to `x`.
     fn splat(x: f32) -> Self;
-    /// From memory.
-    fn load(from: &Lanes<f32>) -> Self;
-    /// To memory.
-    fn to_lanes(self) -> Lanes<f32>;
-    /// a b + c, rounded once.
-    fn mul_add(self, b: Self, c: Self) -> Self;
-    /// a b - c, rounded once.
-    fn mul_sub(self, b: Self, c: Self) -> Self;
-    /// c - a b, rounded once.
-    fn neg_mul_add(self, b: Self, c: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// `if a < b { a } else { b }`: `b` where either is NaN.
@@ -152,6 +148,49 @@ pub trait Float:
     fn bits(self) -> Self::Bits;
     /// Rounded towards zero, as two's complement; lanes beyond 32 bits give any value.
     fn truncate(self) -> Self::Bits;
+    /// The same in double precision.
+    fn widen(self) -> Self::Double;
+}
+
+/// An `f64`, or sixteen.
+pub trait Double:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// One float a lane.
+    type F32: Float;
+
+    /// All lanes equal to `x`.
+    fn splat(x: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// |a| with the sign of `b`.
+    fn copysign(self, b: Self) -> Self;
+    /// a < b.
+    fn lt(self, b: Self) -> Self::Mask;
+    /// a <= b.
+    fn le(self, b: Self) -> Self::Mask;
+    /// a == b.
+    fn equal(self, b: Self) -> Self::Mask;
+    /// This where the mask is true, `other` elsewhere.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// The nearest floats.
+    fn narrow(self) -> Self::F32;
+}
+
+/// What only sixteen `f32` have.
+pub trait FloatLanes: Float {
+    /// From memory.
+    fn load(from: &Lanes<f32>) -> Self;
+    /// To memory.
+    fn to_lanes(self) -> Lanes<f32>;
+    /// a b + c, rounded once.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// a b - c, rounded once.
+    fn mul_sub(self, b: Self, c: Self) -> Self;
+    /// c - a b, rounded once.
+    fn neg_mul_add(self, b: Self, c: Self) -> Self;
     /// The lanes whose mask is true, moved together to the front; what is behind them is zero.
     fn compress(self, mask: Self::Mask) -> Self;
     /// Smallest lane; lanes must not be NaN.
@@ -167,7 +206,7 @@ pub trait Float:
 /// Sixteen consecutive `f32`: one cache line of a table, to be read by [`Float::columns`].
 pub type Row = Lanes<f32>;
 
-/// Sixteen `u32`.
+/// A `u32`, or sixteen. Arithmetic is modulo 2^32 in lanes; single words must not overflow.
 pub trait Word:
     Copy
     + Add<Output = Self>
@@ -182,15 +221,9 @@ pub trait Word:
     type Mask: Mask;
     /// One float a lane.
     type F32: Float;
-    /// Twice as wide.
-    type U64;
 
     /// All lanes equal to `x`.
     fn splat(x: u32) -> Self;
-    /// From memory.
-    fn load(from: &Lanes<u32>) -> Self;
-    /// To memory.
-    fn to_lanes(self) -> Lanes<u32>;
     /// Shifted left by `N` bits.
     fn shl<const N: u32>(self) -> Self;
     /// Shifted right by `N` bits, zeros shifted in.
@@ -205,6 +238,17 @@ pub trait Word:
     fn as_float(self) -> Self::F32;
     /// The nearest floats; lanes are taken as two's complement.
     fn to_float(self) -> Self::F32;
+}
+
+/// What only sixteen `u32` have.
+pub trait WordLanes: Word {
+    /// Twice as wide.
+    type U64;
+
+    /// From memory.
+    fn load(from: &Lanes<u32>) -> Self;
+    /// To memory.
+    fn to_lanes(self) -> Lanes<u32>;
     /// Element `index` of a table. Panics where a lane's index is out of range.
     fn gather(table: &[u32], index: Self) -> Self;
     /// Zero-extended.

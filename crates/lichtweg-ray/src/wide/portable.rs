@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Float, LANES, Lanes, Long, Mask, Row, Wide, Word};
+use super::{Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes};
 
 /// Arrays.
 #[derive(Clone, Copy)]
@@ -49,7 +49,9 @@ lanes!(
     /// Sixteen `u32`.
     U32 u32,
     /// Sixteen `u64`.
-    U64 u64
+    U64 u64,
+    /// Sixteen `f64`.
+    F64 f64
 );
 
 macro_rules! operators {
@@ -68,6 +70,10 @@ operators!(
     F32 Sub sub |a, b| a - b,
     F32 Mul mul |a, b| a * b,
     F32 Div div |a, b| a / b,
+    F64 Add add |a, b| a + b,
+    F64 Sub sub |a, b| a - b,
+    F64 Mul mul |a, b| a * b,
+    F64 Div div |a, b| a / b,
     U32 Add add |a, b| a.wrapping_add(b),
     U32 Sub sub |a, b| a.wrapping_sub(b),
     U32 Mul mul |a, b| a.wrapping_mul(b),
@@ -165,39 +171,11 @@ fn compress<T: Copy + Default>(lanes: [T; LANES], mask: Mask16) -> [T; LANES] {
 impl Float for F32 {
     type Mask = Mask16;
     type Bits = U32;
+    type Double = F64;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self([x; LANES])
-    }
-
-    #[inline(always)]
-    fn load(from: &Lanes<f32>) -> Self {
-        Self(from.0)
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<f32> {
-        Lanes(self.0)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].mul_add(b.0[i], c.0[i]);
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        self.mul_add(b, -c)
-    }
-
-    #[inline(always)]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        (-self).mul_add(b, c)
     }
 
     #[inline(always)]
@@ -268,6 +246,107 @@ impl Float for F32 {
     }
 
     #[inline(always)]
+    fn widen(self) -> F64 {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = f64::from(self.0[i]);
+        }
+        F64(out)
+    }
+}
+
+impl Neg for F64 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl Double for F64 {
+    type Mask = Mask16;
+    type F32 = F32;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self([x; LANES])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn copysign(self, b: Self) -> Self {
+        self.zip(b, f64::copysign)
+    }
+
+    #[inline(always)]
+    fn lt(self, b: Self) -> Mask16 {
+        Mask16::test(self.0, b.0, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn le(self, b: Self) -> Mask16 {
+        Mask16::test(self.0, b.0, |a, b| a <= b)
+    }
+
+    #[inline(always)]
+    fn equal(self, b: Self) -> Mask16 {
+        Mask16::test(self.0, b.0, |a, b| a == b)
+    }
+
+    #[inline(always)]
+    fn select(self, mask: Mask16, other: Self) -> Self {
+        let mut out = self;
+        for i in 0..LANES {
+            out.0[i] = if mask.lane(i) { self.0[i] } else { other.0[i] };
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> F32 {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = self.0[i] as f32;
+        }
+        F32(out)
+    }
+}
+
+impl FloatLanes for F32 {
+    #[inline(always)]
+    fn load(from: &Lanes<f32>) -> Self {
+        Self(from.0)
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<f32> {
+        Lanes(self.0)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        let mut out = self;
+        for i in 0..LANES {
+            out.0[i] = self.0[i].mul_add(b.0[i], c.0[i]);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, -c)
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        (-self).mul_add(b, c)
+    }
+
+    #[inline(always)]
     fn compress(self, mask: Mask16) -> Self {
         Self(compress(self.0, mask))
     }
@@ -316,21 +395,10 @@ impl Float for F32 {
 impl Word for U32 {
     type Mask = Mask16;
     type F32 = F32;
-    type U64 = U64;
 
     #[inline(always)]
     fn splat(x: u32) -> Self {
         Self([x; LANES])
-    }
-
-    #[inline(always)]
-    fn load(from: &Lanes<u32>) -> Self {
-        Self(from.0)
-    }
-
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes<u32> {
-        Lanes(self.0)
     }
 
     #[inline(always)]
@@ -378,6 +446,20 @@ impl Word for U32 {
             out[i] = self.0[i] as i32 as f32;
         }
         F32(out)
+    }
+}
+
+impl WordLanes for U32 {
+    type U64 = U64;
+
+    #[inline(always)]
+    fn load(from: &Lanes<u32>) -> Self {
+        Self(from.0)
+    }
+
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes<u32> {
+        Lanes(self.0)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Every operation gives the same bits on every instruction set.
 
-use super::{Float, Kernel, LANES, Lanes, Long, Mask, Row, Wide, Word, on};
+use super::{Double, Float, FloatLanes, Kernel, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes, on};
 use crate::simd::Isa;
 
 /// Awkward numbers, and ordinary ones.
@@ -55,7 +55,13 @@ impl Kernel for Everything {
         let odd = W::Mask::from_bits(0x5a3c);
         floats(a.select(odd, b));
         floats(a.compress(odd));
+        let (x, y) = (a.widen(), b.widen());
+        floats((x + y).narrow());
+        floats((x * y - x).narrow());
+        floats((x / y).sqrt().narrow());
+        floats((-x).copysign(y).select(odd, y).narrow());
         let mut masks: Vec<u32> = [a.lt(b), a.le(b), a.equal(b), a.gt(b), a.ge(b)].map(W::Mask::bits).into();
+        masks.extend([x.lt(y), x.le(y), x.equal(y)].map(W::Mask::bits));
         masks.push((odd & a.lt(b) | !odd).bits());
         masks.push(odd.and_not(a.le(b)).bits());
         let (p, q) = (a.bits(), b.bits());

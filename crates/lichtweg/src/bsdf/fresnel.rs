@@ -6,7 +6,9 @@
 //!
 //! Limits: real indices for dielectrics, no polarisation, no thin-film interference.
 
-use crate::color::Spectrum;
+use lichtweg_ray::wide::Float;
+
+use crate::color::Spectra;
 
 /// What happens to light at the boundary of a dielectric.
 #[derive(Clone, Copy, Debug)]
@@ -43,27 +45,28 @@ pub fn dielectric(cos_theta_i: f32, eta: f32) -> FresnelDielectric {
 }
 
 /// Reflectance of a conductor of index `eta` + i `k`, per lane, seen under the cosine `cos_theta_i` > 0.
-#[inline]
-pub fn conductor(cos_theta_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+#[inline(always)]
+pub fn conductor<F: Float>(cos_theta_i: F, eta: Spectra<F>, k: Spectra<F>) -> Spectra<F> {
+    let splat = F::splat;
     let cos2 = cos_theta_i * cos_theta_i;
-    let sin2 = 1.0 - cos2;
+    let sin2 = splat(1.0) - cos2;
     eta.zip(k, |eta, k| {
         // a + i b is the normal component of the refracted wave vector: (a + i b)^2 = (eta + i k)^2 - sin^2.
         let real = eta * eta - k * k - sin2;
-        let imaginary = 2.0 * eta * k;
+        let imaginary = splat(2.0) * eta * k;
         let a2_plus_b2 = (real * real + imaginary * imaginary).sqrt();
-        let a = (0.5 * (a2_plus_b2 + real)).max(0.0).sqrt();
-        let twice_a_cos = 2.0 * a * cos_theta_i;
+        let a = (splat(0.5) * (a2_plus_b2 + real)).max(splat(0.0)).sqrt();
+        let twice_a_cos = splat(2.0) * a * cos_theta_i;
         let r_s = quotient(a2_plus_b2 + cos2, twice_a_cos);
         let r_p = r_s * quotient(a2_plus_b2 * cos2 + sin2 * sin2, twice_a_cos * sin2);
-        0.5 * (r_s + r_p)
+        splat(0.5) * (r_s + r_p)
     })
 }
 
 /// (p - q) / (p + q), and not NaN where both vanish, as they do for the unphysical index 0.
-#[inline]
-fn quotient(p: f32, q: f32) -> f32 {
-    (p - q) / (p + q).max(f32::MIN_POSITIVE)
+#[inline(always)]
+fn quotient<F: Float>(p: F, q: F) -> F {
+    (p - q) / (p + q).max(F::splat(f32::MIN_POSITIVE))
 }
 
 /// Mean reflectance of a dielectric boundary under diffuse light that arrives from the side of the normal.
@@ -87,6 +90,7 @@ pub fn diffuse_reflectance(eta: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::Spectrum;
 
     /// Integral of 2 R(mu) mu over mu in (0, 1), by the midpoint rule.
     fn integrated_reflectance(eta: f32) -> f32 {

@@ -17,11 +17,14 @@
 //! values is the rational fit of Walter et al. 2007 (below 0.35 % relative error), which Mitsuba uses too; densities use
 //! the exact function, so that they are those of the drawn normals.
 
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::FRAC_1_PI;
 
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::Vector;
+use lichtweg_ray::wide::Float;
 
 use super::erf::{erfc, inverse_erfc};
+use crate::lanes::warp::sin_cos_turn;
+use crate::lanes::{exp, ln};
 pub use crate::scene::description::MicrofacetKind;
 
 /// Smallest roughness: below it, a facet's half vector is lost in the rounding of its directions.
@@ -33,12 +36,13 @@ const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
 /// Largest uniform number below 1 that single precision has: keeps inverted tails finite.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// A distribution of facet normals about the local z axis.
+/// A distribution of facet normals about the local z axis; or, of one kind, as many as `F` has lanes.
 #[derive(Clone, Copy, Debug)]
-pub struct Microfacets {
-    kind: MicrofacetKind,
-    alpha_u: f32,
-    alpha_v: f32,
+pub struct Microfacets<F = f32> {
+    pub(crate) kind: MicrofacetKind,
+    /// Within the bounds that [`Microfacets::new`] holds it in, as is the other.
+    pub(crate) alpha_u: F,
+    pub(crate) alpha_v: F,
 }
 
 impl Microfacets {
@@ -49,99 +53,112 @@ impl Microfacets {
         let hold = |alpha: f32| alpha.max(MIN_ALPHA).clamp(MIN_ALPHA, MAX_ALPHA);
         Self { kind, alpha_u: hold(alpha_u), alpha_v: hold(alpha_v) }
     }
+}
 
+impl<F: Float> Microfacets<F> {
     /// D(m): area of facets per area of surface and per solid angle of normals, for the unit normal `m` with m.z > 0.
-    #[inline]
-    pub fn density(&self, m: Vec3) -> f32 {
+    #[inline(always)]
+    pub fn density(&self, m: Vector<F>) -> F {
+        let (splat, zero) = (F::splat, F::splat(0.0));
         let (x, y) = (m.x / self.alpha_u, m.y / self.alpha_v);
         let (radius2, cos2) = (x * x + y * y, m.z * m.z);
-        let scale = FRAC_1_PI / (self.alpha_u * self.alpha_v);
+        let scale = splat(FRAC_1_PI) / (self.alpha_u * self.alpha_v);
         let density = match self.kind {
-            // Below the cut in any case; spares the slow underflow of the exponential, and a division by zero.
-            MicrofacetKind::Beckmann if radius2 > 87.0 * cos2 => 0.0,
-            MicrofacetKind::Beckmann => scale * (-radius2 / cos2).exp() / (cos2 * cos2),
+            MicrofacetKind::Beckmann => {
+                let density = scale * exp(-radius2 / cos2) / (cos2 * cos2);
+                // Below the cut in any case, and beyond the range of the exponential; spares a division by zero.
+                zero.select((splat(87.0) * cos2).lt(radius2), density)
+            }
             MicrofacetKind::Ggx => {
                 let s = radius2 + cos2;
                 scale / (s * s)
             }
         };
         // Mitsuba's cut: rids the tails of denormals, and facets on edge of NaN.
-        if density * m.z > 1e-20 { density } else { 0.0 }
+        density.select(splat(1e-20).lt(density * m.z), zero)
     }
 
     /// G1(v) for the values of a model; `v` may be on either side.
-    #[inline]
-    pub fn masking(&self, v: Vec3) -> f32 {
+    #[inline(always)]
+    pub fn masking(&self, v: Vector<F>) -> F {
+        let splat = F::splat;
         match self.kind {
             MicrofacetKind::Beckmann => {
                 let a = self.inverse_slope(v);
-                if a >= 1.6 { 1.0 } else { a * (3.535 + 2.181 * a) / (1.0 + a * (2.276 + 2.577 * a)) }
+                let fit = a * (splat(3.535) + splat(2.181) * a)
+                    / (splat(1.0) + a * (splat(2.276) + splat(2.577) * a));
+                fit.select(a.lt(splat(1.6)), splat(1.0))
             }
             MicrofacetKind::Ggx => self.masking_ggx(v),
         }
     }
 
     /// G1(v) such that the visible normals have a density that integrates to one.
-    #[inline]
-    pub fn visibility(&self, v: Vec3) -> f32 {
+    #[inline(always)]
+    pub fn visibility(&self, v: Vector<F>) -> F {
+        let splat = F::splat;
         match self.kind {
             MicrofacetKind::Beckmann => {
                 // Beyond 9 nothing is masked, and the exponential would underflow.
-                let a = self.inverse_slope(v).min(9.0);
-                let gauss = (-a * a).exp();
-                2.0 / (2.0 - erfc(a, gauss) + FRAC_1_SQRT_PI * gauss / a)
+                let a = self.inverse_slope(v).min(splat(9.0));
+                let gauss = exp(-a * a);
+                splat(2.0) / (splat(2.0) - erfc(a, gauss) + splat(FRAC_1_SQRT_PI) * gauss / a)
             }
             MicrofacetKind::Ggx => self.masking_ggx(v),
         }
     }
 
-    #[inline]
-    fn masking_ggx(&self, v: Vec3) -> f32 {
+    #[inline(always)]
+    fn masking_ggx(&self, v: Vector<F>) -> F {
         let (x, y, z) = (self.alpha_u * v.x, self.alpha_v * v.y, v.z.abs());
-        2.0 * z / (z + (x * x + y * y + z * z).sqrt())
+        F::splat(2.0) * z / (z + (x * x + y * y + z * z).sqrt())
     }
 
     /// 1 / (alpha tan theta): the slope of `v` in units of the roughness along its azimuth.
-    #[inline]
-    fn inverse_slope(&self, v: Vec3) -> f32 {
+    #[inline(always)]
+    fn inverse_slope(&self, v: Vector<F>) -> F {
         let (x, y) = (self.alpha_u * v.x, self.alpha_v * v.y);
         v.z.abs() / (x * x + y * y).sqrt()
     }
 
     /// A facet normal visible from `v` (v.z > 0), with density D(m) `visibility(v)` (v.m) / v.z per solid angle.
-    #[inline]
-    pub fn sample_visible(&self, v: Vec3, u: [f32; 2]) -> Vec3 {
+    #[inline(always)]
+    pub fn sample_visible(&self, v: Vector<F>, u: [F; 2]) -> Vector<F> {
         // Stretched along the axes by its roughness the distribution is isotropic with alpha = 1; normals stretch inversely.
-        let v = Vec3::new(self.alpha_u * v.x, self.alpha_v * v.y, v.z).normalized();
+        let v = Vector::new(self.alpha_u * v.x, self.alpha_v * v.y, v.z).normalized();
         let m = match self.kind {
             MicrofacetKind::Beckmann => sample_visible_beckmann(v, u),
             MicrofacetKind::Ggx => sample_visible_ggx(v, u),
         };
-        Vec3::new(self.alpha_u * m.x, self.alpha_v * m.y, m.z).normalized()
+        Vector::new(self.alpha_u * m.x, self.alpha_v * m.y, m.z).normalized()
     }
 }
 
 /// A normal (of any length) of the GGX hemisphere, alpha = 1: the bisector of `v` and a direction uniform on the cap
 /// z > -v.z (Dupuy and Benyoub 2023, listing 3).
-#[inline]
-fn sample_visible_ggx(v: Vec3, u: [f32; 2]) -> Vec3 {
+#[inline(always)]
+fn sample_visible_ggx<F: Float>(v: Vector<F>, u: [F; 2]) -> Vector<F> {
+    let one = F::splat(1.0);
     // The sum's height comes first, lest a subtraction make it zero.
-    let height = (1.0 - u[1].min(BELOW_ONE)) * (1.0 + v.z);
+    let height = (one - u[1].min(F::splat(BELOW_ONE))) * (one + v.z);
     let z = height - v.z;
-    let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-    let (sin, cos) = (TAU * u[0]).sin_cos();
-    Vec3::new(radius * cos + v.x, radius * sin + v.y, height)
+    let radius = ((one - z) * (one + z)).max(F::splat(0.0)).sqrt();
+    let (sin, cos) = sin_cos_turn(u[0]);
+    Vector::new(radius * cos + v.x, radius * sin + v.y, height)
 }
 
 /// A normal (of any length) of the Beckmann surface, alpha = 1.
-#[inline]
-fn sample_visible_beckmann(v: Vec3, u: [f32; 2]) -> Vec3 {
+#[inline(always)]
+fn sample_visible_beckmann<F: Float>(v: Vector<F>, u: [F; 2]) -> Vector<F> {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
     let sin_theta = (v.x * v.x + v.y * v.y).sqrt();
-    let (cos_phi, sin_phi) = if sin_theta > 0.0 { (v.x / sin_theta, v.y / sin_theta) } else { (1.0, 0.0) };
+    let slanted = zero.lt(sin_theta);
+    let cos_phi = (v.x / sin_theta).select(slanted, one);
+    let sin_phi = (v.y / sin_theta).select(slanted, zero);
     // Along the azimuth of v slopes are seen more the more they face v; across it they stay Gaussian.
     let along = sample_visible_slope(v.z, sin_theta, u[0]);
-    let across = inverse_erfc(2.0 * u[1]);
-    Vec3::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across), 1.0)
+    let across = inverse_erfc(F::splat(2.0) * u[1]);
+    Vector::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across), one)
 }
 
 /// A slope s < cot(theta) with density proportional to (cos - s sin) exp(-s^2), by inverting its distribution function
@@ -150,29 +167,31 @@ fn sample_visible_beckmann(v: Vec3, u: [f32; 2]) -> Vec3 {
 ///
 /// for the fraction `u`. With q = erfc(-s) as the unknown C is smooth up to its flat end, dC/dq = cos - s sin, and tails
 /// keep their digits.
-#[inline]
-fn sample_visible_slope(cos_theta: f32, sin_theta: f32, u: f32) -> f32 {
-    let u = u.clamp(f32::EPSILON / 4.0, BELOW_ONE);
+#[inline(always)]
+fn sample_visible_slope<F: Float>(cos_theta: F, sin_theta: F, u: F) -> F {
+    let splat = F::splat;
+    let u = u.max(splat(f32::EPSILON / 4.0)).min(splat(BELOW_ONE));
     // Beyond 9 nothing is cut off, and the exponential would underflow.
-    let cot = (cos_theta / sin_theta).min(9.0);
-    let gauss_end = (-cot * cot).exp();
-    let q_end = 2.0 - erfc(cot, gauss_end);
+    let cot = (cos_theta / sin_theta).min(splat(9.0));
+    let gauss_end = exp(-cot * cot);
+    let q_end = splat(2.0) - erfc(cot, gauss_end);
     let linear_end = cos_theta * q_end;
-    let end = linear_end + FRAC_1_SQRT_PI * sin_theta * gauss_end;
+    let end = linear_end + splat(FRAC_1_SQRT_PI) * sin_theta * gauss_end;
 
     // C is linear at normal incidence, and exp(-s^2) at grazing: a mean of both answers to begin with.
     let weight = linear_end / end;
-    let mut q = q_end * (weight * u + (1.0 - weight) * erfc((-u.ln()).sqrt(), u));
+    let mut q = q_end * (weight * u + (splat(1.0) - weight) * erfc((-ln(u)).sqrt(), u));
     // Steps to the zero of the parabola that touches C (Cauchy's method), for which the flat end is no obstacle. After
     // two of them C is right to 10^-6 of its range everywhere.
     for _ in 0..2 {
         let slope = -inverse_erfc(q);
-        let gauss = (-slope * slope).exp();
-        let residual = cos_theta * q + FRAC_1_SQRT_PI * sin_theta * gauss - u * end;
+        let gauss = exp(-slope * slope);
+        let residual = cos_theta * q + splat(FRAC_1_SQRT_PI) * sin_theta * gauss - u * end;
         let first = cos_theta - slope * sin_theta;
-        let second = -0.5 / FRAC_1_SQRT_PI * sin_theta / gauss;
-        let root = (first * first - 2.0 * residual * second).max(0.0).sqrt();
-        q = (q - 2.0 * residual / (first + root).max(f32::EPSILON)).clamp(f32::MIN_POSITIVE, q_end);
+        let second = splat(-0.5 / FRAC_1_SQRT_PI) * sin_theta / gauss;
+        let root = (first * first - splat(2.0) * residual * second).max(splat(0.0)).sqrt();
+        let step = splat(2.0) * residual / (first + root).max(splat(f32::EPSILON));
+        q = (q - step).max(splat(f32::MIN_POSITIVE)).min(q_end);
     }
     -inverse_erfc(q)
 }
@@ -180,6 +199,7 @@ fn sample_visible_slope(cos_theta: f32, sin_theta: f32, u: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use lichtweg_montecarlo::special;
+    use lichtweg_ray::math::Vec3;
 
     use super::*;
 

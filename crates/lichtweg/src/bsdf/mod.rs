@@ -27,9 +27,10 @@ mod plastic;
 mod rough_dielectric;
 mod rough_transmittance;
 
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::Float;
 
-use crate::color::Spectrum;
+use crate::color::{Spectra, Spectrum};
 
 pub use conductor::{RoughConductor, SmoothConductor};
 pub use dielectric::{SmoothDielectric, ThinDielectric};
@@ -84,10 +85,39 @@ impl BsdfSample {
     }
 }
 
+/// A direction proposed by a [`Lobe`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Proposal<F: Float> {
+    /// See [`BsdfSample::wi`].
+    pub wi: Vector<F>,
+    /// See [`BsdfSample::weight`].
+    pub weight: Spectra<F>,
+    /// See [`BsdfSample::pdf`].
+    pub pdf: F,
+    /// Whether it is not absorbed.
+    pub valid: F::Mask,
+}
+
+/// A model of one reflecting lobe, written for any width: what walks alone and walks that go together have in common.
+pub(crate) trait Lobe<F: Float> {
+    /// See [`Bsdf::eval_pdf`].
+    fn value_and_pdf(&self, wo: Vector<F>, wi: Vector<F>) -> (Spectra<F>, F);
+
+    /// See [`Bsdf::sample`].
+    fn propose(&self, wo: Vector<F>, u: [F; 2]) -> Proposal<F>;
+}
+
+impl Proposal<f32> {
+    #[inline]
+    fn into_sample(self) -> Option<BsdfSample> {
+        self.valid.then(|| BsdfSample::reflection(self.wi, self.weight, self.pdf))
+    }
+}
+
 /// `wo` mirrored about the facet normal `m`.
-#[inline]
-fn reflect(wo: Vec3, m: Vec3) -> Vec3 {
-    m * (2.0 * wo.dot(m)) - wo
+#[inline(always)]
+fn reflect<F: Float>(wo: Vector<F>, m: Vector<F>) -> Vector<F> {
+    m * (F::splat(2.0) * wo.dot(m)) - wo
 }
 
 /// A scattering function at one surface point. The lifetime is that of the scene, whose tables it may refer to.

@@ -8,4 +8,4 @@ mod spectrum;
 pub use cie::luminance;
 pub use conductor::{conductor, conductor_names};
 pub use convert::{Role, rgb_spectrum};
-pub use spectrum::Spectrum;
+pub use spectrum::{Spectra, Spectrum};

@@ -6,13 +6,55 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
+use lichtweg_ray::wide::Float;
+
 /// Number of lanes.
 const LANES: usize = 4;
 
-/// A radiometric quantity, or a factor on one, in each of four lanes.
+/// Four lanes of a path, or of as many paths as `F` has lanes itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(16))]
-pub struct Spectrum(pub [f32; LANES]);
+pub struct Spectra<F>(pub [F; LANES]);
+
+/// A radiometric quantity, or a factor on one, in each of four lanes.
+pub type Spectrum = Spectra<f32>;
+
+impl<F: Float> Spectra<F> {
+    /// `f` of each lane.
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(F) -> F) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([f(a), f(b), f(c), f(d)])
+    }
+
+    /// `f` of each pair of lanes.
+    #[inline(always)]
+    pub fn zip(self, o: Self, f: impl Fn(F, F) -> F) -> Self {
+        let ([a, b, c, d], [p, q, r, s]) = (self.0, o.0);
+        Self([f(a, p), f(b, q), f(c, r), f(d, s)])
+    }
+
+    /// This where the mask is true, `other` elsewhere.
+    #[inline(always)]
+    pub fn select(self, mask: F::Mask, other: Self) -> Self {
+        self.zip(other, |a, b| a.select(mask, b))
+    }
+
+    /// Largest lane.
+    #[inline(always)]
+    pub fn max_element(self) -> F {
+        let [a, b, c, d] = self.0;
+        a.max(b).max(c.max(d))
+    }
+
+    /// Whether any lane is not zero; NaN is not.
+    #[inline(always)]
+    pub fn is_lit(self) -> F::Mask {
+        let zero = F::splat(0.0);
+        let [a, b, c, d] = self.0;
+        !(a.equal(zero) & b.equal(zero) & c.equal(zero) & d.equal(zero))
+    }
+}
 
 impl Spectrum {
     /// Zero in every lane.
@@ -38,20 +80,6 @@ impl Spectrum {
         [self.0[0], self.0[1], self.0[2]]
     }
 
-    /// `f` of each lane.
-    #[inline(always)]
-    pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([f(a), f(b), f(c), f(d)])
-    }
-
-    /// `f` of each pair of lanes.
-    #[inline(always)]
-    pub fn zip(self, o: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        let ([a, b, c, d], [p, q, r, s]) = (self.0, o.0);
-        Self([f(a, p), f(b, q), f(c, r), f(d, s)])
-    }
-
     /// Square root of each lane.
     #[inline]
     pub fn sqrt(self) -> Self {
@@ -62,13 +90,6 @@ impl Spectrum {
     #[inline]
     pub fn max_scalar(self, low: f32) -> Self {
         self.map(|v| v.max(low))
-    }
-
-    /// Largest lane.
-    #[inline]
-    pub fn max_element(self) -> f32 {
-        let [a, b, c, d] = self.0;
-        a.max(b).max(c.max(d))
     }
 
     /// Whether every lane is zero.
@@ -87,37 +108,37 @@ impl Spectrum {
 
 macro_rules! lanewise {
     ($($op:ident $f:ident $o:tt),+) => {$(
-        impl $op for Spectrum {
+        impl<F: Float> $op for Spectra<F> {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn $f(self, rhs: Self) -> Self { self.zip(rhs, |a, b| a $o b) }
         }
-        impl $op<f32> for Spectrum {
+        impl<F: Float> $op<F> for Spectra<F> {
             type Output = Self;
-            #[inline]
-            fn $f(self, rhs: f32) -> Self { self.map(|a| a $o rhs) }
+            #[inline(always)]
+            fn $f(self, rhs: F) -> Self { self.map(|a| a $o rhs) }
         }
     )+};
 }
 lanewise!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl AddAssign for Spectrum {
-    #[inline]
+impl<F: Float> AddAssign for Spectra<F> {
+    #[inline(always)]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
 
-impl MulAssign for Spectrum {
-    #[inline]
+impl<F: Float> MulAssign for Spectra<F> {
+    #[inline(always)]
     fn mul_assign(&mut self, o: Self) {
         *self = *self * o;
     }
 }
 
-impl MulAssign<f32> for Spectrum {
-    #[inline]
-    fn mul_assign(&mut self, s: f32) {
+impl<F: Float> MulAssign<F> for Spectra<F> {
+    #[inline(always)]
+    fn mul_assign(&mut self, s: F) {
         *self = *self * s;
     }
 }

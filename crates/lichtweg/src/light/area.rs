@@ -1,19 +1,20 @@
 //! Shapes that emit.
 //!
 //! Points are chosen uniformly over the triangles of a mesh, over the parameters of a quadric, or, for a whole sphere
-//! seen from outside, over the cone of directions that it fills (Shirley, Wang and Zimmerman 1996).
+//! seen from outside, over the cone of directions that it fills ([`Cone`]).
 
 use std::f32::consts::{PI, TAU};
 
-use lichtweg_montecarlo::{distribution::AliasTable, warp};
+use lichtweg_montecarlo::distribution::AliasTable;
 use lichtweg_ray::QuadricShape;
-use lichtweg_ray::math::{Vec2, Vec3};
-use lichtweg_ray::wide::Row;
+use lichtweg_ray::math::{Vec2, Vec3, Vector};
+use lichtweg_ray::wide::{Float, Row};
 
 use super::LightSample;
-use crate::bsdf::Frame;
+use super::cone::Cone;
 use crate::color::Spectrum;
-use crate::scene::{Form, Place, QuadricForm, Scene, SurfacePoint, offset};
+use crate::lanes::warp;
+use crate::scene::{Form, QuadricForm, Scene, Sphere, SurfacePoint};
 use crate::texture::{Input, TextureArena};
 
 /// An emitting shape.
@@ -29,18 +30,45 @@ pub struct AreaLight {
     pub two_sided: bool,
     /// How points on it are chosen.
     pub sampling: EmissionSampling,
-    /// Where it is made of triangles of constant radiance without holes: what sixteen walks at once need of it.
+    /// Where it is made of triangles, or a whole sphere, of constant radiance without holes: what sixteen walks at once need of it.
     pub(crate) row: Option<Row>,
 }
 
-/// A triangle chosen on a light.
-pub(crate) struct TrianglePick<'a> {
-    /// See [`MeshForm::row`](crate::scene::MeshForm).
-    pub facet: &'a Row,
+/// What sixteen walks at once need to choose a point on a light.
+pub(crate) struct LightRows<'a> {
+    /// Of a triangle, see [`MeshForm::row`](crate::scene::MeshForm), or of a [`Sphere`].
+    pub form: &'a Row,
+    /// Whether it is a sphere.
+    pub is_sphere: bool,
     /// See [`AreaLight::emission_row`].
     pub emission: &'a Row,
     /// What is left of the random number.
     pub remapped: f32,
+}
+
+/// A light's point as it is seen from another one. For any width.
+pub(crate) struct Sight<F: Float> {
+    /// Unit, to the light.
+    pub direction: Vector<F>,
+    pub distance_squared: F,
+    /// Of the angle to the light's normal.
+    pub cos: F,
+}
+
+impl<F: Float> Sight<F> {
+    #[inline(always)]
+    pub fn new(from: Vector<F>, position: Vector<F>, normal: Vector<F>) -> Self {
+        let to_light = position - from;
+        let distance_squared = to_light.length_squared();
+        let direction = to_light * (F::splat(1.0) / distance_squared.sqrt());
+        Self { direction, distance_squared, cos: normal.dot(-direction) }
+    }
+
+    /// A density per area as one per solid angle: dw = cos dA / d^2.
+    #[inline(always)]
+    pub fn per_solid_angle(&self, pdf_area: F) -> F {
+        pdf_area * self.distance_squared / self.cos.abs()
+    }
 }
 
 /// How points on an emitting shape are chosen.
@@ -54,12 +82,7 @@ pub enum EmissionSampling {
         area: f32,
     },
     /// The cone of directions to a whole sphere; from inside, its surface uniformly.
-    Sphere {
-        /// In the world.
-        center: Vec3,
-        /// In the world.
-        radius: f32,
-    },
+    Sphere(Sphere),
     /// The parameters of a quadric uniformly by its area in object space.
     Quadric,
 }
@@ -74,26 +97,17 @@ impl EmissionSampling {
                 let area = areas.iter().map(|&a| f64::from(a)).sum::<f64>() as f32;
                 Some(Self::Triangles { table, area })
             }
-            Form::Quadric(quadric) => Some(match whole_sphere(quadric) {
-                Some((center, radius)) => Self::Sphere { center, radius },
-                None => Self::Quadric,
-            }),
+            Form::Quadric(q) => Some(
+                Sphere::of(&q.shape, &q.to_world, q.orientation, SPHERE_TOLERANCE)
+                    .map_or(Self::Quadric, Self::Sphere),
+            ),
             Form::Curves(_) => None,
         }
     }
 }
 
-/// Centre and radius, if the quadric is an uncut sphere under a similarity.
-fn whole_sphere(quadric: &QuadricForm) -> Option<(Vec3, f32)> {
-    let QuadricShape::Sphere { z_min, z_max, phi_max } = quadric.shape else { return None };
-    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| quadric.to_world.vector(axis));
-    let radius = x.length();
-    let close = |a: f32, b: f32| (a - b).abs() <= 1e-5 * radius;
-    let similar = close(y.length(), radius) && close(z.length(), radius);
-    let square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|d| d.abs() <= 1e-5 * radius * radius);
-    let whole = z_min <= -1.0 && z_max >= 1.0 && phi_max >= TAU * (1.0 - 1e-6);
-    (similar && square && whole).then(|| (quadric.to_world.point(Vec3::ZERO), radius))
-}
+/// Relative deviation from a sphere that nobody sees.
+const SPHERE_TOLERANCE: f32 = 1e-5;
 
 impl AreaLight {
     /// Radiance that leaves a point on it in a direction.
@@ -110,17 +124,14 @@ impl AreaLight {
     #[inline]
     pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<(LightSample, SurfacePoint)> {
         let (point, measure) = self.sample_point(from, u, scene.form(self.shape))?;
-        let to_light = point.position - from;
-        let distance_squared = to_light.length_squared();
-        let direction = to_light * (1.0 / distance_squared.sqrt());
-        let cos = point.geometric_normal.dot(-direction);
-        if cos <= 0.0 && !self.two_sided {
+        let sight = Sight::new(from, point.position, point.geometric_normal);
+        let direction = sight.direction;
+        if sight.cos <= 0.0 && !self.two_sided {
             return None;
         }
         let pdf = match measure {
             Measure::SolidAngle(pdf) => pdf,
-            // dw = cos dA / d^2
-            Measure::Area(pdf) => pdf * distance_squared / cos.abs(),
+            Measure::Area(pdf) => sight.per_solid_angle(pdf),
         };
         let radiance = scene.textures().eval(self.radiance, point.uv)
             * self.factor
@@ -158,29 +169,37 @@ impl AreaLight {
         }
     }
 
-    /// Radiance (elements 0 to 3), 1 / area (4), and 1 where both sides emit (5); `None` where that does not say it all.
-    pub(crate) fn emission_row(&self, has_holes: bool) -> Option<Row> {
-        let (EmissionSampling::Triangles { area, .. }, Input::Constant(radiance)) =
-            (&self.sampling, self.radiance)
-        else {
-            return None;
-        };
+    /// Radiance (elements 0 to 3), 1 / area of triangles (4), and 1 where both sides emit (5); `None` where that, and the form's
+    /// row, do not say it all.
+    pub(crate) fn emission_row(&self, form: &Form, has_holes: bool) -> Option<Row> {
+        let Input::Constant(radiance) = self.radiance else { return None };
         let mut row = Row::splat(0.0);
         row.0[..4].copy_from_slice(&(radiance * self.factor).0);
-        row.0[4] = 1.0 / area;
+        match (&self.sampling, form) {
+            (EmissionSampling::Triangles { area, .. }, _) => row.0[4] = 1.0 / area,
+            (EmissionSampling::Sphere(_), Form::Quadric(q)) if q.sphere.is_some() => {}
+            _ => return None,
+        }
         row.0[5] = if self.two_sided { 1.0 } else { 0.0 };
         (!has_holes).then_some(row)
     }
 
-    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers.
+    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers, or the sphere.
     #[inline]
-    pub(crate) fn pick_triangle<'a>(&'a self, u: f32, form: &'a Form) -> Option<TrianglePick<'a>> {
-        let (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) = (&self.sampling, form) else {
-            return None;
-        };
+    pub(crate) fn rows<'a>(&'a self, u: f32, form: &'a Form) -> Option<LightRows<'a>> {
         let emission = self.row.as_ref()?;
-        let pick = table.sample(u);
-        Some(TrianglePick { facet: mesh.row(pick.index as u32), emission, remapped: pick.remapped })
+        match (&self.sampling, form) {
+            (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) => {
+                let pick = table.sample(u);
+                let form = mesh.row(pick.index as u32);
+                Some(LightRows { form, is_sphere: false, emission, remapped: pick.remapped })
+            }
+            (_, Form::Quadric(quadric)) => {
+                let form = quadric.sphere.as_ref()?;
+                Some(LightRows { form, is_sphere: true, emission, remapped: u })
+            }
+            _ => None,
+        }
     }
 
     #[inline(always)]
@@ -193,11 +212,17 @@ impl AreaLight {
 
     #[inline(never)]
     fn sample_quadric(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
-        if let (EmissionSampling::Sphere { center, radius }, Form::Quadric(quadric)) = (&self.sampling, form)
-            && let Some(cone) = cone(*center, *radius, from)
-        {
-            let point = self.point_in_cone(&cone, *center, *radius, u, quadric);
-            return Some((point, Measure::SolidAngle(warp::uniform_cone_pdf(cone.one_minus_cos))));
+        if let (EmissionSampling::Sphere(sphere), Form::Quadric(quadric)) = (&self.sampling, form) {
+            let cone = Cone::new(sphere, from);
+            if cone.valid {
+                let [position, normal] = cone.point(sphere, u);
+                let uv = match self.radiance {
+                    Input::Constant(_) => Vec2::ZERO,
+                    Input::Texture(_) => sphere_uv(quadric.to_object.point(position)),
+                };
+                let point = quadric.sphere_point(self.shape, sphere, [position, normal], uv);
+                return Some((point, Measure::SolidAngle(cone.pdf())));
+            }
         }
         self.point_by_area(u, form).map(|(point, pdf)| (point, Measure::Area(pdf)))
     }
@@ -205,47 +230,15 @@ impl AreaLight {
     /// Density per solid angle at `from` with which [`AreaLight::sample`] chooses the direction to `point`.
     #[inline]
     pub fn pdf(&self, from: Vec3, point: &SurfacePoint, direction: Vec3, form: &Form) -> f32 {
-        if let EmissionSampling::Sphere { center, radius } = self.sampling
-            && let Some(cone) = cone(center, radius, from)
-        {
-            return warp::uniform_cone_pdf(cone.one_minus_cos);
+        if let EmissionSampling::Sphere(sphere) = &self.sampling {
+            let cone = Cone::new(sphere, from);
+            if cone.valid {
+                return cone.pdf();
+            }
         }
-        // dw = cos dA / d^2
         let distance_squared = (point.position - from).length_squared();
-        self.pdf_area(point, form) * distance_squared / point.geometric_normal.dot(direction).abs()
-    }
-
-    fn point_in_cone(
-        &self,
-        cone: &Cone,
-        center: Vec3,
-        radius: f32,
-        u: [f32; 2],
-        quadric: &QuadricForm,
-    ) -> SurfacePoint {
-        let local = warp::uniform_cone(u, cone.one_minus_cos);
-        let frame = Frame::from_normal(cone.axis);
-        let direction = frame.to_world(Vec3::from_array(local));
-        // The nearer intersection with the sphere, as the direction from its centre (Pharr et al. 2023, section 6.2.4).
-        let cos_theta = 1.0 - u[0] * cone.one_minus_cos;
-        let sin_theta_squared = local[0] * local[0] + local[1] * local[1];
-        let d = cone.distance;
-        let along = d * cos_theta - (radius * radius - d * d * sin_theta_squared).max(0.0).sqrt();
-        let normal = (direction * along - cone.axis * d).normalized();
-        let position = center + normal * radius;
-        SurfacePoint {
-            position,
-            error: offset::position_error(center.abs().max_element() + radius),
-            geometric_normal: normal * quadric.orientation,
-            shading_normal: normal * quadric.orientation,
-            uv: match self.radiance {
-                Input::Constant(_) => Vec2::ZERO,
-                Input::Texture(_) => sphere_uv(quadric.to_object.point(position)),
-            },
-            shape: self.shape,
-            primitive: 0,
-            place: Place::WORLD,
-        }
+        let cos = point.geometric_normal.dot(direction);
+        Sight { direction, distance_squared, cos }.per_solid_angle(self.pdf_area(point, form))
     }
 }
 
@@ -259,26 +252,6 @@ fn sphere_uv(p: Vec3) -> Vec2 {
 enum Measure {
     SolidAngle(f32),
     Area(f32),
-}
-
-/// The directions in which a sphere is seen.
-struct Cone {
-    axis: Vec3,
-    distance: f32,
-    one_minus_cos: f32,
-}
-
-/// `None` from inside the sphere, or so near that the cone is no better than its surface.
-#[inline]
-fn cone(center: Vec3, radius: f32, from: Vec3) -> Option<Cone> {
-    let to_center = center - from;
-    let distance_squared = to_center.length_squared();
-    let sin_squared = radius * radius / distance_squared;
-    if sin_squared >= 0.999_999 {
-        return None;
-    }
-    let distance = distance_squared.sqrt();
-    Some(Cone { axis: to_center / distance, distance, one_minus_cos: warp::one_minus_cos(sin_squared) })
 }
 
 /// A point on a quadric, uniform by the area of its object-space form.
@@ -325,7 +298,7 @@ impl AreaLight {
     pub fn area(&self, form: &Form) -> f32 {
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { area, .. }, _) => *area,
-            (EmissionSampling::Sphere { radius, .. }, _) => 2.0 * TAU * radius * radius,
+            (EmissionSampling::Sphere(s), _) => 2.0 * TAU * s.radius * s.radius,
             (EmissionSampling::Quadric, Form::Quadric(quadric)) => {
                 // The mean of 1 / density over the density is the area; exact for disks, cylinders and similarities.
                 const GRID: usize = 16;

@@ -5,6 +5,7 @@
 //! angle at the receiving point; lights at a single point or direction are `delta` and have none.
 
 mod area;
+mod cone;
 mod delta;
 mod emission;
 mod environment;
@@ -12,12 +13,14 @@ mod selection;
 mod tree;
 
 use lichtweg_ray::math::Vec3;
+use lichtweg_ray::wide::Row;
 
 use crate::color::Spectrum;
 use crate::scene::{Scene, SurfacePoint};
 
-pub(crate) use area::TrianglePick;
 pub use area::{AreaLight, EmissionSampling};
+pub(crate) use area::{LightRows, Sight};
+pub(crate) use cone::Cone;
 pub use delta::{Directional, Point, Spot};
 pub use emission::{Emission, EmissionDensity, Surroundings};
 pub use environment::{ConstantEnvironment, Environment, MapEnvironment};
@@ -79,6 +82,15 @@ impl Light {
             Self::Environment(light) => light.sample(u)?,
         };
         Some((sample, None))
+    }
+
+    /// See [`AreaLight::emission_row`].
+    #[inline]
+    pub(crate) fn row(&self) -> Option<&Row> {
+        match self {
+            Self::Area(light) => light.row.as_ref(),
+            _ => None,
+        }
     }
 
     /// Whether it is at a single point or in a single direction, so that no walk can run into it.

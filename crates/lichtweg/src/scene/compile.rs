@@ -267,12 +267,14 @@ fn add_shape(
     }
     let has_holes = materials.has_holes(material);
     let light = area_light(&form, source, shapes.len() as u32, textures, diagnostics).map(|mut light| {
-        light.row = light.emission_row(has_holes);
+        light.row = light.emission_row(&form, has_holes);
         lights.push(Light::Area(light));
         lights.len() as u32 - 1
     });
-    let diffuse = if has_holes || light.is_some() { None } else { materials.diffuse(material) };
-    shapes.push(Shape { form, material, light, has_holes, diffuse });
+    let emits_simply = light.is_none_or(|light| lights[light as usize].row().is_some());
+    let is_simple = !has_holes && emits_simply && form.has_rows();
+    let lobe = if is_simple { materials.lobe(material) } else { None };
+    shapes.push(Shape { form, material, light, has_holes, lobe });
 }
 
 /// Forgets texture coordinates that neither materials nor lights look at.

@@ -6,19 +6,22 @@ pub mod description;
 mod instances;
 mod material;
 pub mod offset;
+mod sphere;
 mod surface;
 
-use lichtweg_ray::math::{Bounds3, Vec3};
+use lichtweg_ray::math::{Bounds3, Vec2, Vec3};
+use lichtweg_ray::wide::Row;
 use lichtweg_ray::{Accel, BuildReport, Hit, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightSelection, Surroundings, TrianglePick};
+use crate::light::{AreaLight, Environment, Light, LightRows, LightSelection, Surroundings};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
 pub use curve::CurveForm;
-pub(crate) use material::Diffuse;
+pub(crate) use material::{LobeMaterial, LobeModel};
 pub use material::{MaterialArena, Scatterer};
+pub use sphere::Sphere;
 pub(crate) use surface::Facets;
 pub use surface::{Form, MeshForm, Place, QuadricForm, SurfacePoint};
 
@@ -51,8 +54,17 @@ struct Shape {
     material: u32,
     light: Option<u32>,
     has_holes: bool,
-    /// Where it does nothing but reflect diffusely.
-    diffuse: Option<Diffuse>,
+    /// Where sixteen walks at once can deal with it.
+    lobe: Option<LobeMaterial>,
+}
+
+/// A surface that sixteen walks at once can deal with.
+pub(crate) struct SimpleSurface<'a> {
+    /// Triangles, or a whole sphere.
+    pub form: &'a Form,
+    pub material: &'a LobeMaterial,
+    /// The light that it is, and its [`AreaLight::emission_row`].
+    pub light: Option<(u32, &'a Row)>,
 }
 
 /// Exact counts of ray queries.
@@ -94,28 +106,41 @@ impl Scene {
         !self.instances.is_empty()
     }
 
-    /// The form of a shape in the world that does nothing but reflect diffusely, and how.
+    /// Whether nothing is around the scene that a walk could see.
     #[inline]
-    pub(crate) fn diffuse(&self, hit: &Hit) -> Option<(&Form, &Diffuse)> {
+    pub(crate) fn is_dark_outside(&self) -> bool {
+        self.environments.is_empty()
+    }
+
+    /// The surface that was hit, if sixteen walks at once can deal with it.
+    #[inline]
+    pub(crate) fn simple_surface(&self, hit: &Hit) -> Option<SimpleSurface<'_>> {
         if hit.is_instanced() {
             return None;
         }
-        let shape = &self.shapes[hit.geometry as usize];
-        Some((&shape.form, shape.diffuse.as_ref()?))
+        let Shape { form, light, lobe, .. } = &self.shapes[hit.geometry as usize];
+        let material = lobe.as_ref()?;
+        let light = match *light {
+            None => None,
+            Some(index) => Some((index, self.lights[index as usize].row()?)),
+        };
+        Some(SimpleSurface { form, material, light })
     }
 
-    /// What a textured diffuse triangle reflects on one of its sides.
-    pub(crate) fn diffuse_reflectance(&self, diffuse: &Diffuse, hit: &Hit, front: bool) -> Spectrum {
-        let Form::Mesh(mesh) = self.form(hit.geometry) else { return Spectrum::ZERO };
-        let uv = mesh.surface_coordinates(hit.primitive, hit.u, hit.v);
-        self.textures.eval(diffuse.reflectance[usize::from(!front)], uv)
+    /// What a textured material reflects on one of its sides.
+    pub(crate) fn lobe_reflectance(&self, material: &LobeMaterial, hit: &Hit, front: bool) -> Spectrum {
+        let uv = match self.form(hit.geometry) {
+            Form::Mesh(mesh) => mesh.surface_coordinates(hit.primitive, hit.u, hit.v),
+            _ => Vec2::new(hit.u, hit.v),
+        };
+        self.textures.eval(material.reflectance[usize::from(!front)], uv)
     }
 
-    /// A triangle of a light, see [`AreaLight::pick_triangle`]; `None` for other lights.
+    /// See [`AreaLight::rows`]; `None` for other lights.
     #[inline]
-    pub(crate) fn pick_triangle(&self, light: u32, u: f32) -> Option<TrianglePick<'_>> {
+    pub(crate) fn light_rows(&self, light: u32, u: f32) -> Option<LightRows<'_>> {
         match &self.lights[light as usize] {
-            Light::Area(light) => light.pick_triangle(u, &self.shapes[light.shape as usize].form),
+            Light::Area(light) => light.rows(u, &self.shapes[light.shape as usize].form),
             _ => None,
         }
     }

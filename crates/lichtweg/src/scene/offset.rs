@@ -6,7 +6,8 @@
 //! (compare Pharr, Jakob and Humphreys 2023, section 6.8.6), which adapts to the magnitude of the coordinates, not to the size of
 //! the scene.
 
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::Vector;
+use lichtweg_ray::wide::Float;
 
 /// Bound on the relative error of `n` rounded operations (Higham 2002, section 3.1).
 pub const fn gamma(n: i32) -> f32 {
@@ -24,7 +25,7 @@ pub fn position_error(size: f32) -> f32 {
 }
 
 /// The point moved off the surface, along the unit normal, to the side that `direction` points to.
-#[inline]
-pub fn offset(position: Vec3, error: f32, normal: Vec3, direction: Vec3) -> Vec3 {
+#[inline(always)]
+pub fn offset<F: Float>(position: Vector<F>, error: F, normal: Vector<F>, direction: Vector<F>) -> Vector<F> {
     position + normal * error.copysign(normal.dot(direction))
 }

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use lichtweg_ray::math::{Affine, Bounds3, Vec2, Vec3};
-use lichtweg_ray::wide::{Float, LANES, Row};
+use lichtweg_ray::math::{Affine, Bounds3, Vec2, Vec3, Vector};
+use lichtweg_ray::wide::{FloatLanes, LANES, Row};
 use lichtweg_ray::{CurvePoint, Geometry, Hit, Quadric, QuadricShape, Ray, TriangleMesh};
 
 use super::curve::CurveForm;
 use super::offset::{offset, position_error};
+use super::sphere::Sphere;
 
 /// A point on a surface of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -115,18 +116,23 @@ impl Facet {
 
 /// Sixteen facets in registers.
 pub(crate) struct Facets<F> {
-    pub corner: [F; 3],
-    pub edges: [[F; 3]; 2],
-    pub normal: [F; 3],
+    pub corner: Vector<F>,
+    pub edges: [Vector<F>; 2],
+    pub normal: Vector<F>,
     pub error: F,
 }
 
-impl<F: Float> Facets<F> {
+impl<F: FloatLanes> Facets<F> {
     /// From the rows of [`MeshForm::row`].
     #[inline(always)]
     pub(crate) fn new(rows: &[&Row; LANES]) -> Self {
         let [ax, ay, az, ex, ey, ez, fx, fy, fz, nx, ny, nz, _, error, ..] = F::columns(rows);
-        Self { corner: [ax, ay, az], edges: [[ex, ey, ez], [fx, fy, fz]], normal: [nx, ny, nz], error }
+        Self {
+            corner: Vector::new(ax, ay, az),
+            edges: [Vector::new(ex, ey, ez), Vector::new(fx, fy, fz)],
+            normal: Vector::new(nx, ny, nz),
+            error,
+        }
     }
 }
 
@@ -253,7 +259,12 @@ pub struct QuadricForm {
     pub normal_to_world: Affine,
     /// -1 where the inside is the outside.
     pub orientation: f32,
+    /// The [`Sphere`] that it is, if it is a whole one.
+    pub(crate) sphere: Option<Row>,
 }
+
+/// Relative deviation from a sphere that is well within [`position_error`].
+const SPHERE_TOLERANCE: f32 = 5e-7;
 
 impl QuadricForm {
     /// A quadric under a regular map; `None` where the map is singular.
@@ -263,19 +274,46 @@ impl QuadricForm {
             let [a, b, c] = [0, 1, 2].map(|i| f64::from(f(&columns[i])));
             [a, b, c, 0.0]
         };
+        let orientation = if flip { -1.0 } else { 1.0 };
         Some(Self {
             shape,
             to_object: to_world.inverse()?,
             to_world,
             normal_to_world: Affine { rows: [row(|v| v.x), row(|v| v.y), row(|v| v.z)] },
-            orientation: if flip { -1.0 } else { 1.0 },
+            orientation,
+            sphere: Sphere::of(&shape, &to_world, orientation, SPHERE_TOLERANCE).map(Sphere::to_row),
         })
     }
 
     /// The point of a hit: `near` it, moved onto the surface.
     #[inline(never)]
     pub fn point(&self, shape: u32, near: Vec3, uv: Vec2) -> SurfacePoint {
+        if let Some(row) = &self.sphere {
+            let sphere = Sphere::from_row(row);
+            return self.sphere_point(shape, &sphere, sphere.nearest(near), uv);
+        }
         self.object_point(shape, self.project(self.to_object.point(near)), uv)
+    }
+
+    /// A point of a sphere that this is, and the normal there.
+    #[inline]
+    pub(crate) fn sphere_point(
+        &self,
+        shape: u32,
+        sphere: &Sphere,
+        [position, normal]: [Vec3; 2],
+        uv: Vec2,
+    ) -> SurfacePoint {
+        SurfacePoint {
+            position,
+            error: sphere.error,
+            geometric_normal: normal,
+            shading_normal: normal,
+            uv,
+            shape,
+            primitive: 0,
+            place: Place::WORLD,
+        }
     }
 
     /// The world point of a point on the surface in object space.
@@ -396,6 +434,15 @@ impl Form {
             Self::Mesh(mesh) => TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()).into(),
             Self::Quadric(q) => Quadric { shape: q.shape, object_to_world: q.to_world }.into(),
             Self::Curves(form) => form.curves.clone().into(),
+        }
+    }
+
+    /// Whether rows say all that sixteen hits at once need of it.
+    pub(super) fn has_rows(&self) -> bool {
+        match self {
+            Self::Mesh(_) => true,
+            Self::Quadric(quadric) => quadric.sphere.is_some(),
+            Self::Curves(_) => false,
         }
     }
 

@@ -1,15 +1,18 @@
 //! Weights for paths that more than one strategy can make (Veach 1997, section 9.2).
 
+use lichtweg_ray::wide::Float;
+
 use crate::scene::description::Heuristic;
 
 /// Weight of a strategy of density `p` against one of density `q`, both per the same measure.
-#[inline]
-pub fn weight(heuristic: Heuristic, p: f32, q: f32) -> f32 {
+#[inline(always)]
+pub fn weight<F: Float>(heuristic: Heuristic, p: F, q: F) -> F {
     // By the quotient, which neither overflows nor loses small densities when squared.
+    let one = F::splat(1.0);
     let ratio = q / p;
     match heuristic {
-        Heuristic::Balance => 1.0 / (1.0 + ratio),
-        Heuristic::Power => 1.0 / (1.0 + ratio * ratio),
+        Heuristic::Balance => one / (one + ratio),
+        Heuristic::Power => one / (one + ratio * ratio),
     }
 }
 

@@ -29,7 +29,7 @@ pub struct PathTracer {
     pub(super) heuristic: Heuristic,
     max_depth: u32,
     pub(super) roulette: Roulette,
-    hide_emitters: bool,
+    pub(super) hide_emitters: bool,
 }
 
 /// What a walk has counted.

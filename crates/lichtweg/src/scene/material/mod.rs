@@ -1,7 +1,7 @@
 //! Materials: from a point on a surface to the [`Bsdf`] there.
 
 mod compile;
-mod diffuse;
+mod lobe;
 mod scatterer;
 mod tangents;
 
@@ -17,7 +17,7 @@ use crate::color::Spectrum;
 use crate::texture::{Input, TextureArena};
 
 use compile::Compiler;
-pub(crate) use diffuse::Diffuse;
+pub(crate) use lobe::{LobeMaterial, LobeModel};
 pub use scatterer::Scatterer;
 use tangents::Tangents;
 
@@ -107,15 +107,14 @@ impl MaterialArena {
         self.traits[material as usize].uses_coordinates
     }
 
-    /// How a material reflects that does nothing but reflect diffusely.
-    pub(crate) fn diffuse(&self, material: u32) -> Option<Diffuse> {
-        let of = |id: u32| match self.materials[id as usize] {
-            Material::Diffuse { reflectance } => Some(reflectance),
-            _ => None,
-        };
-        match self.materials[material as usize] {
-            Material::TwoSided { front, back } => Some(Diffuse::new([of(front)?, of(back)?], true)),
-            _ => of(material).map(|reflectance| Diffuse::new([reflectance; 2], false)),
+    /// How a material reflects that does nothing but reflect by one lobe, and needs no tangents for it.
+    pub(crate) fn lobe(&self, material: u32) -> Option<LobeMaterial> {
+        match &self.materials[material as usize] {
+            Material::TwoSided { front, back } => {
+                let of = |id: &u32| self.materials[*id as usize].lobe();
+                LobeMaterial::two_sided(&of(front)?, &of(back)?)
+            }
+            one => one.lobe(),
         }
     }
 
@@ -251,6 +250,23 @@ impl Material {
         }
     }
 
+    fn lobe(&self) -> Option<LobeMaterial> {
+        match *self {
+            Self::Diffuse { reflectance } => Some(LobeMaterial::new(LobeModel::Diffuse, reflectance, &[])),
+            Self::Conductor {
+                eta: Input::Constant(eta),
+                k: Input::Constant(k),
+                roughness: Some(roughness),
+                reflectance,
+            } if !self.is_anisotropic() => {
+                let facets = roughness.constant_facets()?;
+                let parameters = RoughConductor::parameters(eta, k, &facets);
+                Some(LobeMaterial::new(LobeModel::RoughConductor(roughness.kind), reflectance, &parameters))
+            }
+            _ => None,
+        }
+    }
+
     /// The BSDF of a material that wraps no other.
     #[inline]
     fn bsdf(&self, uv: Vec2, textures: &TextureArena) -> Bsdf<'_> {
@@ -315,10 +331,19 @@ impl Material {
 impl Roughness {
     #[inline]
     fn facets(&self, uv: Vec2, textures: &TextureArena) -> Microfacets {
-        let alpha = |input| {
-            let value = textures.eval_number(input, uv);
-            if self.remap { value.max(0.0).sqrt() } else { value }
-        };
+        let alpha = |input| self.alpha(textures.eval_number(input, uv));
         Microfacets::new(self.kind, alpha(self.alpha_u), alpha(self.alpha_v))
+    }
+
+    /// The same everywhere, where it is.
+    fn constant_facets(&self) -> Option<Microfacets> {
+        let (Input::Constant(u), Input::Constant(v)) = (self.alpha_u, self.alpha_v) else { return None };
+        let [u, v] = [u, v].map(|c| self.alpha(c.0[0]));
+        Some(Microfacets::new(self.kind, u, v))
+    }
+
+    #[inline]
+    fn alpha(&self, value: f32) -> f32 {
+        if self.remap { value.max(0.0).sqrt() } else { value }
     }
 }

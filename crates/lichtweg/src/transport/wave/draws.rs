@@ -2,7 +2,7 @@
 
 use lichtweg_montecarlo::hash::GOLDEN_GAMMA;
 use lichtweg_montecarlo::{Sampler, SamplerKind, SamplerState};
-use lichtweg_ray::wide::{Float, LANES, Lanes, Long, Wide, Word};
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Long, Wide, Word, WordLanes};
 
 /// Sixteen samplers.
 #[derive(Clone, Copy)]

@@ -2,25 +2,29 @@
 //!
 //! A *wave* of walks goes from vertex to vertex together: all rays of one depth are traced as packets, then all vertices
 //! are dealt with, sixteen neighbours at a time, then all their connections are traced. Vertices on the commonest
-//! surfaces run in registers of sixteen lanes ([`diffuse`]); all others are handed, one by one, to
+//! surfaces run in registers of sixteen lanes ([`scatter`]); all others are handed, one by one, to
 //! [`PathTracer::arrive`]. Walks that end leave no gap, since those that go on move together into the next queue
 //! (compare Laine, Karras and Aila, *Megakernels considered harmful*, HPG 2013).
 //!
 //! A walk's arithmetic and random numbers are those of [`PathTracer::radiance`]: both give the same radiance to the bit,
 //! whatever else is in the wave.
 
-mod diffuse;
 mod draws;
+mod emission;
+mod lights;
+mod lobes;
+mod points;
 mod queue;
-mod vector;
+mod scatter;
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
-use lichtweg_ray::wide::{self, Kernel, LANES, Wide};
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
 use lichtweg_ray::{HitPacket, Ray, RayPacket};
 
 use super::path::Walk;
 use super::{PathObserver, PathTracer, WalkCounts};
-use crate::color::Spectrum;
+use crate::color::{Spectra, Spectrum};
 use crate::scene::Scene;
 use queue::{CAPACITY, ConnectionQueue, Paths, WalkLanes, WalkQueue};
 
@@ -141,6 +145,30 @@ fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
+/// Rows to point at where a lane has none.
+static NO_ROW: Row = Lanes([0.0; LANES]);
+
+#[inline(always)]
+fn load_vector<W: Wide>(v: &[Lanes<f32>; 3]) -> Vector<W::F32> {
+    Vector::new(W::F32::load(&v[0]), W::F32::load(&v[1]), W::F32::load(&v[2]))
+}
+
+#[inline(always)]
+fn load_spectra<W: Wide>(s: &[Lanes<f32>; 4]) -> Spectra<W::F32> {
+    Spectra([W::F32::load(&s[0]), W::F32::load(&s[1]), W::F32::load(&s[2]), W::F32::load(&s[3])])
+}
+
+/// The vector of a lane.
+#[inline(always)]
+fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
+    Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane])
+}
+
+#[inline(always)]
+fn set_vector(to: &mut [Lanes<f32>; 3], lane: usize, v: Vec3) {
+    (to[0].0[lane], to[1].0[lane], to[2].0[lane]) = (v.x, v.y, v.z);
+}
+
 impl<O: PathObserver> Kernel for Step<'_, O> {
     type Output = ();
 
@@ -184,7 +212,7 @@ impl<O: PathObserver> Step<'_, O> {
         let fast = if self.observer.watches(self.depth) {
             0
         } else {
-            self.diffuse_vertices::<W>(walks, active, hits)
+            self.simple_vertices::<W>(walks, active, hits)
         };
         for lane in lanes_of(active & !fast) {
             self.vertex(at + lane, &rays.get(lane), hits, lane);

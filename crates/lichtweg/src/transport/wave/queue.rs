@@ -5,13 +5,14 @@
 
 use lichtweg_montecarlo::{Sampler, SamplerKind, SamplerState};
 use lichtweg_ray::math::Vec3;
-use lichtweg_ray::wide::{Float, LANES, Lanes, Mask, Row, Wide, Word};
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide, Word, WordLanes};
 use lichtweg_ray::{Ray, RayPacket};
 
 use super::super::path::{Connection, Departure, Walk};
 use super::lanes_of;
-use super::vector::{Spectra, Vector};
+use crate::color::Spectra;
 use crate::color::Spectrum;
+use lichtweg_ray::math::Vector;
 
 /// Walks in a queue, at most. More are sorted better, fewer stay in the cache.
 pub const CAPACITY: usize = 2048;
@@ -237,7 +238,7 @@ impl WalkQueue {
         let state = SamplerState { key, index: paths.index[i], dimension: r[15].to_bits() };
         let walk = Walk {
             ray: Ray::new(vector(0), vector(3)).at_time(paths.time[i]),
-            throughput: Spectrum([r[6], r[7], r[8], r[9]]),
+            throughput: Spectra([r[6], r[7], r[8], r[9]]),
             eta: paths.eta[i],
             departure: Departure { position: vector(10), pdf: (r[13] != NO_PDF).then_some(r[13]) },
             sampler: Sampler::from_state(paths.kind, state),
@@ -349,6 +350,6 @@ impl ConnectionQueue {
     #[inline(always)]
     pub fn contribution(&self, at: usize) -> (Spectrum, usize) {
         let r = &self.rows[at].0;
-        (Spectrum([r[7], r[8], r[9], r[10]]), r[11].to_bits() as usize)
+        (Spectra([r[7], r[8], r[9], r[10]]), r[11].to_bits() as usize)
     }
 }

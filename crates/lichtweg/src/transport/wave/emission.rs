@@ -1,0 +1,85 @@
+//! Sixteen walks that run into lights: [`PathTracer::arrive`](super::PathTracer)'s first half.
+
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes};
+
+use super::points::{Arrivals, Points};
+use super::queue::{NO_PDF, WalkLanes};
+use super::{PathObserver, Step, lanes_of, vec3};
+use crate::color::{Spectra, Spectrum};
+use crate::light::{Cone, Sight};
+use crate::scene::description::LightStrategy;
+use crate::transport::mis;
+
+impl<O: PathObserver> Step<'_, O> {
+    /// Adds the radiance of lights to the walks that hit them; which lanes are left to be dealt with one by one, since they
+    /// come from inside a sphere that emits.
+    #[inline(always)]
+    pub(super) fn emitted<W: Wide>(
+        &mut self,
+        arrivals: &Arrivals,
+        walks: &WalkLanes<W>,
+        points: &Points<W>,
+    ) -> u32 {
+        let tracer = self.tracer;
+        if self.depth == 1 && tracer.hide_emitters {
+            return 0;
+        }
+        let splat = W::F32::splat;
+        let zero = splat(0.0);
+        let wo = -walks.direction;
+        let [r, g, b, c, inverse_area, two_sided, ..] = W::F32::columns(&arrivals.emission);
+        let radiance = Spectra([r, g, b, c]);
+        let cos = points.geometric_normal.dot(wo);
+        let shines = zero.lt(two_sided) | zero.lt(cos);
+        let mut lit = W::Mask::from_bits(arrivals.emitting) & shines & radiance.is_lit();
+        let departed = !walks.departure_pdf.equal(splat(NO_PDF));
+        let mut weight = splat(1.0);
+        let mut left = 0;
+        match tracer.light {
+            LightStrategy::Naive => {}
+            LightStrategy::Nee => weight = zero.select(departed, weight),
+            LightStrategy::Mis => {
+                let weighed = lit & departed;
+                if weighed.any() {
+                    let to = points.position - walks.departure;
+                    let sight = Sight { direction: wo, distance_squared: to.length_squared(), cos };
+                    let mut pdf = sight.per_solid_angle(inverse_area);
+                    let on_sphere = arrivals.on_sphere::<W>();
+                    if (weighed & on_sphere).any() {
+                        let cone = Cone::new(&arrivals.spheres::<W>(), walks.departure);
+                        pdf = cone.pdf().select(on_sphere, pdf);
+                        left = (weighed & on_sphere).and_not(cone.valid).bits();
+                    }
+                    let probability = self.probabilities(arrivals, walks, weighed.bits());
+                    let pdf_light = probability * pdf;
+                    let mis = mis::weight(tracer.heuristic, walks.departure_pdf, pdf_light);
+                    weight = mis.select(departed, weight);
+                }
+            }
+        }
+        lit = lit.and_not(W::Mask::from_bits(left));
+        let emitted = walks.throughput * (radiance * weight);
+        let [r, g, b, c] = emitted.0;
+        let values = [r.to_lanes(), g.to_lanes(), b.to_lanes(), c.to_lanes()];
+        let paths = walks.path.to_lanes();
+        for lane in lanes_of(lit.bits()) {
+            let value: Spectrum =
+                Spectra([values[0].0[lane], values[1].0[lane], values[2].0[lane], values[3].0[lane]]);
+            self.wave.radiance[paths.0[lane] as usize] += value;
+        }
+        left
+    }
+
+    /// With which probability connections from the departures would have chosen the lights.
+    #[inline(always)]
+    fn probabilities<W: Wide>(&self, arrivals: &Arrivals, walks: &WalkLanes<W>, lanes: u32) -> W::F32 {
+        let from = walks.departure;
+        let from = [from.x.to_lanes(), from.y.to_lanes(), from.z.to_lanes()];
+        let mut probability = Lanes([0.0; LANES]);
+        for lane in lanes_of(lanes) {
+            let light = arrivals.light[lane];
+            probability.0[lane] = self.scene.selection().probability(vec3(&from, lane), light);
+        }
+        W::F32::load(&probability)
+    }
+}

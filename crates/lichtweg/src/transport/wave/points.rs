@@ -1,0 +1,187 @@
+//! Sixteen hits as points: on triangles and on whole spheres, with the rows of what is there.
+
+use lichtweg_ray::HitPacket;
+use lichtweg_ray::math::Vector;
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
+
+use super::lobes::Models;
+use super::queue::WalkLanes;
+use super::{NO_ROW, lanes_of, load_spectra, load_vector, set_vector};
+use crate::bsdf::Frame;
+use crate::scene::{Facets, Form, LobeMaterial, Scene, Sphere};
+
+/// What sixteen walks have hit, as far as they can be dealt with at once.
+pub(super) struct Arrivals<'a> {
+    scene: &'a Scene,
+    hits: &'a HitPacket,
+    /// Walks that hit a simple surface.
+    pub lanes: u32,
+    /// Walks that left a scene with nothing around it.
+    pub gone: u32,
+    /// Those on lights.
+    pub emitting: u32,
+    /// The light, where there is one, and its row.
+    pub light: [u32; LANES],
+    pub emission: [&'a Row; LANES],
+    forms: [&'a Row; LANES],
+    spheres: u32,
+    /// Shading normals of meshes that have them.
+    smooth: u32,
+    normals: [Lanes<f32>; 3],
+    materials: [Option<&'a LobeMaterial>; LANES],
+}
+
+/// Sixteen points on surfaces.
+pub(super) struct Points<W: Wide> {
+    pub position: Vector<W::F32>,
+    pub error: W::F32,
+    pub geometric_normal: Vector<W::F32>,
+    pub shading_normal: Vector<W::F32>,
+}
+
+/// What scatters at sixteen points.
+pub(super) struct Materials<W: Wide> {
+    /// See [`Scatterer::frame`](crate::scene::Scatterer).
+    pub frame: Frame<W::F32>,
+    /// The columns of [`LobeMaterial::rows`].
+    pub columns: [W::F32; LANES],
+    pub models: Models,
+}
+
+impl<'a> Arrivals<'a> {
+    /// Looks up what was hit.
+    #[inline(always)]
+    pub fn new(scene: &'a Scene, active: u32, hits: &'a HitPacket) -> Self {
+        let mut out = Self {
+            scene,
+            hits,
+            lanes: 0,
+            gone: 0,
+            emitting: 0,
+            light: [0; LANES],
+            emission: [&NO_ROW; LANES],
+            forms: [&NO_ROW; LANES],
+            spheres: 0,
+            smooth: 0,
+            normals: [Lanes::splat(0.0); 3],
+            materials: [None; LANES],
+        };
+        let dark = scene.is_dark_outside();
+        for lane in lanes_of(active) {
+            let bit = 1 << lane;
+            let Some(hit) = hits.get(lane) else {
+                out.gone |= if dark { bit } else { 0 };
+                continue;
+            };
+            let Some(surface) = scene.simple_surface(&hit) else { continue };
+            match surface.form {
+                Form::Mesh(mesh) => {
+                    out.forms[lane] = mesh.row(hit.primitive);
+                    if mesh.is_smooth() {
+                        out.smooth |= bit;
+                        let normal = mesh.shading_normal(hit.primitive, hit.u, hit.v);
+                        set_vector(&mut out.normals, lane, normal);
+                    }
+                }
+                Form::Quadric(quadric) => {
+                    let Some(sphere) = &quadric.sphere else { continue };
+                    out.forms[lane] = sphere;
+                    out.spheres |= bit;
+                }
+                Form::Curves(_) => continue,
+            }
+            if let Some((light, row)) = surface.light {
+                out.emitting |= bit;
+                (out.light[lane], out.emission[lane]) = (light, row);
+            }
+            out.materials[lane] = Some(surface.material);
+            out.lanes |= bit;
+        }
+        out
+    }
+
+    /// Whether a walk is on a sphere.
+    #[inline(always)]
+    pub fn on_sphere<W: Wide>(&self) -> W::Mask {
+        W::Mask::from_bits(self.spheres)
+    }
+
+    /// The forms as spheres, of no meaning where they are not.
+    #[inline(always)]
+    pub fn spheres<W: Wide>(&self) -> Sphere<W::F32> {
+        Sphere::from_columns(&W::F32::columns(&self.forms))
+    }
+
+    /// The points that were hit.
+    #[inline(always)]
+    pub fn points<W: Wide>(&self, walks: &WalkLanes<W>) -> Points<W> {
+        let facets = Facets::<W::F32>::new(&self.forms);
+        let (u, v) = (W::F32::load(&self.hits.u), W::F32::load(&self.hits.v));
+        let normal = facets.normal;
+        let on_triangles = Points {
+            position: facets.corner + facets.edges[0] * u + facets.edges[1] * v,
+            error: facets.error,
+            geometric_normal: normal,
+            shading_normal: load_vector::<W>(&self.normals).select(W::Mask::from_bits(self.smooth), normal),
+        };
+        if self.spheres == 0 {
+            return on_triangles;
+        }
+        let sphere = self.spheres::<W>();
+        let near = walks.origin + walks.direction * W::F32::load(&self.hits.t);
+        let [position, normal] = sphere.nearest(near);
+        let on_spheres =
+            Points { position, error: sphere.error, geometric_normal: normal, shading_normal: normal };
+        on_spheres.select(self.on_sphere::<W>(), on_triangles)
+    }
+
+    /// What scatters at the points towards the directions `wo`; see
+    /// [`MaterialArena::scatterer`](crate::scene::MaterialArena::scatterer).
+    #[inline(always)]
+    pub fn materials<W: Wide>(&self, normal: Vector<W::F32>, wo: Vector<W::F32>) -> Materials<W> {
+        let zero = W::F32::splat(0.0);
+        let front = zero.lt(normal.dot(wo));
+        let front_bits = front.bits();
+        let mut rows = [&NO_ROW; LANES];
+        let mut models = Models::NONE;
+        let mut textured = 0;
+        for lane in lanes_of(self.lanes) {
+            let Some(material) = self.materials[lane] else { continue };
+            // The material of the side that is seen; a one-sided one is seen from the front only.
+            rows[lane] = &material.rows[usize::from(front_bits >> lane & 1 == 0)];
+            textured |= u32::from(material.is_textured()) << lane;
+            models.set(lane, material.model);
+        }
+        let mut columns = W::F32::columns(&rows);
+        if textured != 0 {
+            let [r, g, b, c, ..] = columns;
+            let mut values = [r.to_lanes(), g.to_lanes(), b.to_lanes(), c.to_lanes()];
+            for lane in lanes_of(textured) {
+                let (Some(material), Some(hit)) = (self.materials[lane], self.hits.get(lane)) else {
+                    continue;
+                };
+                let value = self.scene.lobe_reflectance(material, &hit, front_bits >> lane & 1 != 0);
+                for (to, from) in values.iter_mut().zip(value.0) {
+                    to.0[lane] = from;
+                }
+            }
+            columns[..4].copy_from_slice(&load_spectra::<W>(&values).0);
+        }
+        let mirrored = LobeMaterial::is_two_sided(&columns).and_not(front);
+        let frame = Frame::from_normal((-normal).select(mirrored, normal));
+        let bitangent = (-frame.bitangent).select(mirrored, frame.bitangent);
+        Materials { frame: Frame { bitangent, ..frame }, columns, models }
+    }
+}
+
+impl<W: Wide> Points<W> {
+    #[inline(always)]
+    fn select(self, mask: W::Mask, other: Self) -> Self {
+        Self {
+            position: self.position.select(mask, other.position),
+            error: self.error.select(mask, other.error),
+            geometric_normal: self.geometric_normal.select(mask, other.geometric_normal),
+            shading_normal: self.shading_normal.select(mask, other.shading_normal),
+        }
+    }
+}
