@@ -29,8 +29,15 @@ pub const fn combine(key: u64, counter: u64) -> u64 {
 #[inline]
 #[must_use]
 pub const fn hash3(a: u64, b: u64, c: u64) -> u64 {
+    combine(combine(first(a), b), c)
+}
+
+/// The hash of the first of several words, to be combined with the others.
+#[inline]
+#[must_use]
+pub const fn first(a: u64) -> u64 {
     // The offset keeps the all-zero input from the fixed point of `mix64` at zero.
-    combine(combine(mix64(a ^ 0xd1b5_4a32_d192_ed03), b), c)
+    mix64(a ^ 0xd1b5_4a32_d192_ed03)
 }
 
 /// Uniform value in [0,1) from the 24 high bits of a word: every value is a multiple of 2^-24, never 1.

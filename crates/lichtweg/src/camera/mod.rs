@@ -5,4 +5,5 @@
 
 mod perspective;
 
+pub(crate) use perspective::CameraRays;
 pub use perspective::{Camera, View};

@@ -7,9 +7,11 @@
 use std::sync::Arc;
 
 use lichtweg_montecarlo::warp;
-use lichtweg_ray::math::{Affine, Motion, Vec3};
+use lichtweg_ray::math::{Affine, Motion, Vec3, Vector};
+use lichtweg_ray::wide::Float;
 use lichtweg_ray::{Placement, Ray};
 
+use crate::lanes;
 use crate::scene::description::{CameraDescription, Diagnostic, Diagnostics, FieldOfView, FovAxis};
 use crate::scene::on_shutter_clock;
 
@@ -43,6 +45,15 @@ impl Pose {
         let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| to_world.vector(a).normalized());
         Self { origin: to_world.point(Vec3::ZERO), axes }
     }
+}
+
+/// Rays of unit direction, as many as `F` has lanes.
+pub(crate) struct CameraRays<F> {
+    pub origin: Vector<F>,
+    pub direction: Vector<F>,
+    /// Distances between which the camera sees.
+    pub tnear: F,
+    pub tfar: F,
 }
 
 /// How the camera sees in a direction from a point on its lens.
@@ -116,23 +127,46 @@ impl Camera {
     /// time counts from the opening of the shutter, 0, to its closing, 1.
     #[inline]
     pub fn ray(&self, film: [f32; 2], lens: [f32; 2], time: f32) -> Ray {
-        let x = self.corner[0] + film[0] * self.extent[0];
-        let y = self.corner[1] + film[1] * self.extent[1];
-        let (mut lx, mut ly) = (0.0, 0.0);
-        let mut direction = Vec3::new(x, y, 1.0);
+        let rays = self.rays_from(&self.pose(time), film, lens);
+        let time = if self.tells_time { time } else { 0.0 };
+        Ray::new(rays.origin, rays.direction).between(rays.tnear, rays.tfar).at_time(time)
+    }
+
+    /// Whether all rays have the time 0.
+    pub(crate) fn is_still(&self) -> bool {
+        self.motion.is_none() && !self.tells_time
+    }
+
+    /// [`Camera::ray`] of a still camera, at any width.
+    #[inline(always)]
+    pub(crate) fn rays<F: Float>(&self, film: [F; 2], lens: [F; 2]) -> CameraRays<F> {
+        self.rays_from(&self.pose, film, lens)
+    }
+
+    #[inline(always)]
+    fn rays_from<F: Float>(&self, pose: &Pose, film: [F; 2], lens: [F; 2]) -> CameraRays<F> {
+        let splat = F::splat;
+        let spread = |v: Vec3| Vector::new(splat(v.x), splat(v.y), splat(v.z));
+        let x = splat(self.corner[0]) + film[0] * splat(self.extent[0]);
+        let y = splat(self.corner[1]) + film[1] * splat(self.extent[1]);
+        let mut origin = spread(pose.origin);
+        let mut direction = Vector::new(x, y, splat(1.0));
+        let (left, up) = (spread(pose.axes[0]), spread(pose.axes[1]));
         if self.aperture_radius > 0.0 {
-            [lx, ly] = warp::uniform_disk(lens).map(|c| c * self.aperture_radius);
-            let focus = direction * self.focus_distance;
-            direction = Vec3::new(focus.x - lx, focus.y - ly, focus.z);
+            let [lx, ly] = lanes::warp::uniform_disk(lens);
+            let (lx, ly) = (lx * splat(self.aperture_radius), ly * splat(self.aperture_radius));
+            let focus = direction * splat(self.focus_distance);
+            direction = Vector::new(focus.x - lx, focus.y - ly, focus.z);
+            origin = origin + left * lx + up * ly;
         }
         let direction = direction.normalized();
-        let pose = self.pose(time);
-        let [left, up, forward] = pose.axes;
-        let [tnear, tfar] = self.clip(direction.z);
-        let origin = pose.origin + left * lx + up * ly;
-        let direction = left * direction.x + up * direction.y + forward * direction.z;
-        let time = if self.tells_time { time } else { 0.0 };
-        Ray::new(origin, direction).between(tnear, tfar).at_time(time)
+        let per_depth = splat(1.0) / direction.z;
+        CameraRays {
+            origin,
+            direction: left * direction.x + up * direction.y + spread(pose.axes[2]) * direction.z,
+            tnear: splat(self.near) * per_depth,
+            tfar: splat(self.far) * per_depth,
+        }
     }
 
     #[inline]

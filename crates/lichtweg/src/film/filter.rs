@@ -5,6 +5,7 @@
 //! sign that filters with negative lobes have; samples never belong to more than one pixel.
 
 use lichtweg_montecarlo::distribution::Discrete;
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Wide};
 
 use crate::scene::description::{FilterDescription, FilterKind};
 
@@ -40,6 +41,14 @@ impl Filter {
     pub fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
         let (x, wx) = self.axes[0].sample(u[0]);
         let (y, wy) = self.axes[1].sample(u[1]);
+        ([x, y], wx * wy)
+    }
+
+    /// [`Filter::sample`] of sixteen pairs.
+    #[inline(always)]
+    pub(crate) fn sample_lanes<W: Wide>(&self, u: [W::F32; 2]) -> ([W::F32; 2], W::F32) {
+        let (x, wx) = self.axes[0].sample_lanes::<W>(u[0]);
+        let (y, wy) = self.axes[1].sample_lanes::<W>(u[1]);
         ([x, y], wx * wy)
     }
 
@@ -117,6 +126,20 @@ impl Axis {
                 (x * radius, if signs[pick.index] { -weight } else { *weight })
             }
         }
+    }
+
+    #[inline(always)]
+    fn sample_lanes<W: Wide>(&self, u: W::F32) -> (W::F32, W::F32) {
+        let splat = W::F32::splat;
+        if let Self::Box { radius } = self {
+            return ((splat(2.0) * u - splat(1.0)) * splat(*radius), splat(1.0));
+        }
+        let u = u.to_lanes();
+        let (mut offset, mut weight) = (Lanes::splat(0.0), Lanes::splat(0.0));
+        for lane in 0..LANES {
+            (offset.0[lane], weight.0[lane]) = self.sample(u.0[lane]);
+        }
+        (W::F32::load(&offset), W::F32::load(&weight))
     }
 
     fn radius(&self) -> f32 {

@@ -4,6 +4,7 @@
 //! pixel's samples are functions of its position and their index, and are added up in the order of the index, so that the
 //! image is the same bits for any number of threads and any cut into passes.
 
+mod camera_paths;
 mod paths;
 mod pyramid;
 mod splatting;
@@ -11,9 +12,10 @@ mod splatting;
 use std::time::{Duration, Instant};
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
-use lichtweg_ray::Ray;
+use lichtweg_ray::{Ray, wide};
 use rayon::prelude::*;
 
+use self::camera_paths::{Samples, StartPaths};
 pub use self::paths::FoundPath;
 pub use self::pyramid::{Pyramid, StrategyImage};
 use self::splatting::{CameraSample, Splatting};
@@ -286,15 +288,18 @@ impl Job {
         let paths = tile.pixels.len() as u32 * per_pixel;
         let mut weights = Vec::with_capacity(Wave::CAPACITY);
         for first in (0..paths).step_by(Wave::CAPACITY) {
-            let range = first..paths.min(first + Wave::CAPACITY as u32);
-            let path = |number: u32| (number / per_pixel, samples.start + number % per_pixel);
+            let numbers = Samples::new(samples.clone(), first..paths.min(first + Wave::CAPACITY as u32));
             wave.clear();
             weights.clear();
-            for number in range.clone() {
-                let (pixel, index) = path(number);
-                let (ray, sampler, weight) = self.camera_ray(tile.position(pixel), index);
-                wave.push(&ray, sampler);
-                weights.push(weight);
+            if self.camera.is_still() {
+                let samples = numbers.clone();
+                wide::dispatch(StartPaths { job: self, tile, samples, wave, weights: &mut weights });
+            } else {
+                for (pixel, index) in numbers.clone() {
+                    let (ray, sampler, weight) = self.camera_ray(tile.position(pixel), index);
+                    wave.push(&ray, sampler);
+                    weights.push(weight);
+                }
             }
             if self.auxiliary {
                 let mut observer = FirstSurface { sums: &mut tile.auxiliary, first, per_pixel };
@@ -302,8 +307,7 @@ impl Job {
             } else {
                 self.tracer.follow(scene, wave, &mut counts, &mut ());
             }
-            for ((number, &radiance), &weight) in range.zip(wave.radiance()).zip(&weights) {
-                let (pixel, index) = path(number);
+            for (((pixel, index), &radiance), &weight) in numbers.zip(wave.radiance()).zip(&weights) {
                 tile.add(pixel, index, radiance, self.film_scale, weight);
             }
         }

@@ -26,4 +26,5 @@ pub use path::{PathTracer, WalkCounts};
 pub use sensor::{Look, Sensor};
 pub use vertex::{Departure, Onward, Others, Scattering, Vertex};
 pub use walk::{Survival, Walk, WalkVisitor};
+pub(crate) use wave::Draws;
 pub use wave::Wave;

@@ -1,12 +1,12 @@
 //! The sample values of sixteen walks: [`Sampler`], lane by lane the same values.
 
-use lichtweg_montecarlo::hash::GOLDEN_GAMMA;
+use lichtweg_montecarlo::hash::{self, GOLDEN_GAMMA};
 use lichtweg_montecarlo::{Sampler, SamplerKind, SamplerState};
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Long, Wide, Word, WordLanes};
 
 /// Sixteen samplers.
 #[derive(Clone, Copy)]
-pub(super) struct Draws<W: Wide> {
+pub(crate) struct Draws<W: Wide> {
     pub kind: SamplerKind,
     /// Lower and upper half.
     pub key: [W::U32; 2],
@@ -15,6 +15,19 @@ pub(super) struct Draws<W: Wide> {
 }
 
 impl<W: Wide> Draws<W> {
+    /// See [`Sampler::new`].
+    #[inline(always)]
+    pub fn new(kind: SamplerKind, seed: u64, stream: W::U32, sample: W::U32) -> Self {
+        let number = W::U32::splat;
+        let (sequence, index) = match kind {
+            SamplerKind::Independent => (sample, number(0)),
+            SamplerKind::Sobol => (sample & number(1), sample.shr::<1>()),
+        };
+        let key = combine::<W>(W::U64::splat(hash::first(seed)), stream);
+        let key = combine::<W>(key, sequence);
+        Self { kind, key: [key.low(), key.high()], index, dimension: number(0) }
+    }
+
     #[inline(always)]
     pub fn next_1d(&mut self) -> W::F32 {
         let u = match self.kind {
@@ -47,12 +60,7 @@ impl<W: Wide> Draws<W> {
     /// `mix64` of the keys and dimensions.
     #[inline(always)]
     fn bits(&self) -> W::U64 {
-        let splat = W::U64::splat;
-        let key = self.key[1].widen().shl::<32>() | self.key[0].widen();
-        let z = key.wrapping_add(self.dimension.widen().wrapping_mul(splat(GOLDEN_GAMMA)));
-        let z = (z ^ z.shr::<30>()).wrapping_mul(splat(0xbf58_476d_1ce4_e5b9));
-        let z = (z ^ z.shr::<27>()).wrapping_mul(splat(0x94d0_49bb_1331_11eb));
-        z ^ z.shr::<31>()
+        combine::<W>(self.key[1].widen().shl::<32>() | self.key[0].widen(), self.dimension)
     }
 
     #[inline(always)]
@@ -68,6 +76,16 @@ impl<W: Wide> Draws<W> {
         }
         [W::F32::load(&out[0]), W::F32::load(&out[1])]
     }
+}
+
+/// See [`hash::combine`].
+#[inline(always)]
+fn combine<W: Wide>(key: W::U64, counter: W::U32) -> W::U64 {
+    let splat = W::U64::splat;
+    let z = key.wrapping_add(counter.widen().wrapping_mul(splat(GOLDEN_GAMMA)));
+    let z = (z ^ z.shr::<30>()).wrapping_mul(splat(0xbf58_476d_1ce4_e5b9));
+    let z = (z ^ z.shr::<27>()).wrapping_mul(splat(0x94d0_49bb_1331_11eb));
+    z ^ z.shr::<31>()
 }
 
 /// Uniform values in [0, 1) from the 24 high bits of words.

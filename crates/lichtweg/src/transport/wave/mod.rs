@@ -19,13 +19,15 @@ mod scatter;
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::math::{Vec3, Vector};
-use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
+use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Mask, Row, Wide, Word, WordLanes};
 use lichtweg_ray::{HitPacket, Ray, RayPacket};
 
 use super::path::Walk;
 use super::{PathObserver, PathTracer, WalkCounts};
+use crate::camera::CameraRays;
 use crate::color::{Spectra, Spectrum};
 use crate::scene::Scene;
+pub(crate) use draws::Draws;
 use queue::{CAPACITY, ConnectionQueue, Paths, WalkLanes, WalkQueue};
 
 /// Walks that go together, and what they bring. Made once a thread and used again.
@@ -76,6 +78,28 @@ impl Wave {
         self.clip[0].push(ray.tnear);
         self.clip[1].push(ray.tfar);
         self.radiance.push(Spectrum::ZERO);
+    }
+
+    /// Adds `count` walks of time 0, of at most sixteen, to a wave of a multiple of sixteen walks.
+    #[inline(always)]
+    pub(crate) fn push_lanes<W: Wide>(&mut self, rays: &CameraRays<W::F32>, draws: &Draws<W>, count: usize) {
+        let first = self.radiance.len();
+        debug_assert!(first.is_multiple_of(LANES) && draws.kind == self.paths.kind());
+        self.paths.set_lanes::<W>(first, draws);
+        let one = W::F32::splat(1.0);
+        let walks: WalkLanes<W> = WalkLanes {
+            origin: rays.origin,
+            direction: rays.direction,
+            throughput: Spectra([one; 4]),
+            departure: rays.origin,
+            departure_pdf: W::F32::splat(queue::NO_PDF),
+            path: W::U32::splat(first as u32) + W::U32::load(&Lanes(NUMBERS)),
+            dimension: draws.dimension,
+        };
+        self.walks.append(&walks, W::Mask::from_bits(lanes_from(0, count)));
+        self.clip[0].extend_from_slice(&rays.tnear.to_lanes().0[..count]);
+        self.clip[1].extend_from_slice(&rays.tfar.to_lanes().0[..count]);
+        self.radiance.resize(first + count, Spectrum::ZERO);
     }
 
     /// Walks that were added.
@@ -144,6 +168,9 @@ fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
         })
     })
 }
+
+/// The numbers of the lanes.
+const NUMBERS: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Rows to point at where a lane has none.
 static NO_ROW: Row = Lanes([0.0; LANES]);

@@ -9,6 +9,7 @@ use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide, Word,
 use lichtweg_ray::{Ray, RayPacket};
 
 use super::super::path::{Connection, Departure, Walk};
+use super::draws::Draws;
 use super::lanes_of;
 use crate::color::Spectra;
 use crate::color::Spectrum;
@@ -53,6 +54,19 @@ impl Paths {
         self.eta[at] = walk.eta;
         self.time[at] = walk.ray.time;
         self.timed |= walk.ray.time != 0.0;
+    }
+}
+
+impl Paths {
+    /// Sets sixteen paths whose times are 0, from one on; what is behind the end is of no meaning.
+    #[inline(always)]
+    pub fn set_lanes<W: Wide>(&mut self, first: usize, draws: &Draws<W>) {
+        let range = first..first + LANES;
+        self.key[0][range.clone()].copy_from_slice(&draws.key[0].to_lanes().0);
+        self.key[1][range.clone()].copy_from_slice(&draws.key[1].to_lanes().0);
+        self.index[range.clone()].copy_from_slice(&draws.index.to_lanes().0);
+        self.eta[range.clone()].fill(1.0);
+        self.time[range].fill(0.0);
     }
 }
 
