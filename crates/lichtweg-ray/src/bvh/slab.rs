@@ -56,13 +56,10 @@ pub(crate) fn prepare<V: Lanes>(ray: &Ray, reach: f32) -> Option<(Slab<V>, Shear
     let near_shift = origin.mul_add(near_scale, margin.mul(near_scale).abs()).to_array().0;
     let far_shift = origin.mul_sub(far_scale, margin.mul(far_scale).abs()).to_array().0;
     let negative = V::bits(divisor.lt(zero)) as usize;
+    let negative = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
     let (near_scale, far_scale) = (near_scale.to_array().0, far_scale.to_array().0);
     let slab = Slab {
-        near_row: [
-            (negative & 1) * ROW,
-            2 * ROW + (negative >> 1 & 1) * ROW,
-            4 * ROW + (negative >> 2 & 1) * ROW,
-        ],
+        near_row: near_rows(negative),
         near_scale: first3(&near_scale),
         near_shift: first3(&near_shift),
         far_scale: first3(&far_scale),
@@ -78,6 +75,12 @@ pub(crate) fn prepare<V: Lanes>(ray: &Ray, reach: f32) -> Option<(Slab<V>, Shear
         pace: d[z],
     };
     Some((slab, shear, tfar))
+}
+
+/// Byte offsets of the near planes' rows in a node, of a direction whose negative components are 1 here.
+#[inline(always)]
+pub(crate) fn near_rows([x, y, z]: [usize; 3]) -> [usize; 3] {
+    [x * ROW, 2 * ROW + y * ROW, 4 * ROW + z * ROW]
 }
 
 /// The first three values, each in all lanes.

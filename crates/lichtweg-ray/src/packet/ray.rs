@@ -1,8 +1,9 @@
 //! Sixteen rays made ready for boxes and triangles: what `bvh::slab` and `triangle` do for one.
 
 use crate::build::MAX_COORDINATE;
-use crate::bvh::slab::TINY;
+use crate::bvh::slab::{Slab, TINY, near_rows};
 use crate::math::Vec3;
+use crate::simd::Lanes as NarrowLanes;
 use crate::triangle::{SLACK, Shear, TINY_AREA};
 use crate::wide::{Float, FloatLanes, Mask, Wide, Word};
 
@@ -203,11 +204,9 @@ impl<W: Wide> Prepared<W> {
         [self.scale[0].neg_mul_add(z, x), self.scale[1].neg_mul_add(z, y), z]
     }
 
-    /// The shear of one lane, for the slow test.
+    /// One ray's own, for the slow test and for its way alone: what `bvh::slab::prepare` makes of it.
     #[inline(always)]
     pub(super) fn shear(&self, lane: usize) -> Shear {
-        let one =
-            |v: &[W::F32; 3]| [v[0].to_lanes().0[lane], v[1].to_lanes().0[lane], v[2].to_lanes().0[lane]];
         let axes = match (self.steep[0].bits() >> lane & 1, self.steep[1].bits() >> lane & 1) {
             (1, _) => [1, 2, 0],
             (_, 1) => [2, 0, 1],
@@ -215,12 +214,36 @@ impl<W: Wide> Prepared<W> {
         };
         Shear {
             axes,
-            origin: one(&self.origin),
-            scale: one(&self.scale),
-            tnear: self.tnear.to_lanes().0[lane],
-            pace: self.dz.to_lanes().0[lane],
+            origin: of_lane::<W>(&self.origin, lane),
+            scale: of_lane::<W>(&self.scale, lane),
+            tnear: self.tnear.lane(lane),
+            pace: self.dz.lane(lane),
         }
     }
+
+    /// As [`Prepared::shear`].
+    #[inline(always)]
+    pub(super) fn slab<V: NarrowLanes>(&self, lane: usize) -> Slab<V> {
+        let bit = |mask: W::Mask| (mask.bits() >> lane & 1) as usize;
+        let [x, y, z] = self.negative;
+        let splat = |v: &[W::F32; 3]| {
+            let [x, y, z] = of_lane::<W>(v, lane);
+            [V::splat(x), V::splat(y), V::splat(z)]
+        };
+        Slab {
+            near_row: near_rows([bit(x), bit(y), bit(z)]),
+            near_scale: splat(&self.near_scale),
+            near_shift: splat(&self.near_shift),
+            far_scale: splat(&self.far_scale),
+            far_shift: splat(&self.far_shift),
+            tnear: V::splat(self.tnear.lane(lane)),
+        }
+    }
+}
+
+#[inline(always)]
+fn of_lane<W: Wide>(v: &[W::F32; 3], lane: usize) -> [f32; 3] {
+    [v[0].lane(lane), v[1].lane(lane), v[2].lane(lane)]
 }
 
 /// The corners of a triangle of a block, as numbers to spread over the lanes.

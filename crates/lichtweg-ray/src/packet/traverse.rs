@@ -1,11 +1,11 @@
 //! How a packet goes through the hierarchy: depth first, children in the order in which the first ray enters them.
 
+use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
 use super::ray::{Prepared, corners, settle};
 use super::{HitPacket, RayPacket};
 use crate::accel::Accel;
-use crate::bvh::slab::{Slab, prepare};
 use crate::bvh::{Best, Block, ChildRef, MAX_DEPTH, Other, descend};
 use crate::kind::{Item, Kind, Probe};
 use crate::ray::Hit;
@@ -41,12 +41,7 @@ struct Bests<W: Wide> {
 impl<W: Wide> Bests<W> {
     #[inline(always)]
     fn get(&self, lane: usize) -> Best {
-        Best {
-            t: self.t.to_lanes().0[lane],
-            u: self.u.to_lanes().0[lane],
-            v: self.v.to_lanes().0[lane],
-            id: self.id.to_lanes().0[lane],
-        }
+        Best { t: self.t.lane(lane), u: self.u.lane(lane), v: self.v.lane(lane), id: self.id.lane(lane) }
     }
 
     #[inline(always)]
@@ -70,10 +65,7 @@ struct Walk<'a, W: Wide, V: NarrowLanes> {
     asked: u32,
     /// Rays that look for any hit and have found one.
     found: u32,
-    /// Rays that have gone on by themselves, made ready for that.
-    alone: [MaybeUninit<(Slab<V>, WideShear<V>)>; LANES],
-    /// Which of these there are.
-    ready: u32,
+    narrow: PhantomData<V>,
 }
 
 impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
@@ -91,8 +83,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             others: [const { MaybeUninit::uninit() }; LANES],
             asked: 0,
             found: 0,
-            alone: [const { MaybeUninit::uninit() }; LANES],
-            ready: 0,
+            narrow: PhantomData,
         }
     }
 
@@ -308,18 +299,10 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let ray = self.rays.get(lane);
-            if self.ready >> lane & 1 == 0 {
-                let Some((slab, shear, _)) = prepare::<V>(&ray, self.accel.bvh.reach) else { continue };
-                self.alone[lane].write((slab, WideShear::new(&shear)));
-                self.ready |= 1 << lane;
-            }
+            let alone = (self.prepared.slab::<V>(lane), WideShear::new(&self.prepared.shear(lane)));
             let mut best = self.bests.get(lane);
-            let accel = self.accel;
-            self.other(lane);
-            // SAFETY: written before its bit was set; `other` has written the second.
-            let (prepared, other) =
-                unsafe { (self.alone[lane].assume_init_ref(), self.others[lane].assume_init_mut()) };
-            if descend::<V, ANY, false>(accel, &ray, prepared, None, &mut best, other, child) {
+            let (accel, other) = (self.accel, self.other(lane));
+            if descend::<V, ANY, false>(accel, &ray, &alone, None, &mut best, other, child) {
                 self.found |= 1 << lane;
             } else if !ANY {
                 self.bests.set(lane, &best);

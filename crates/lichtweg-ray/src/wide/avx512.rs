@@ -337,6 +337,13 @@ impl FloatLanes for F32 {
     }
 
     #[inline(always)]
+    fn lane(&self, lane: usize) -> f32 {
+        assert!(lane < LANES);
+        // SAFETY: a register in memory is sixteen `f32`.
+        unsafe { (&raw const self.0).cast::<f32>().add(lane).read() }
+    }
+
+    #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_fmadd_ps(self.0, b.0, c.0) })
@@ -519,6 +526,13 @@ impl WordLanes for U32 {
         // SAFETY: see above.
         unsafe { _mm512_store_si512(out.0.as_mut_ptr().cast(), self.0) };
         out
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> u32 {
+        assert!(lane < LANES);
+        // SAFETY: a register in memory is sixteen `u32`.
+        unsafe { (&raw const self.0).cast::<u32>().add(lane).read() }
     }
 
     #[inline(always)]

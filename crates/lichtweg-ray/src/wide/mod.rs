@@ -185,6 +185,8 @@ pub trait FloatLanes: Float {
     fn load(from: &Lanes<f32>) -> Self;
     /// To memory.
     fn to_lanes(self) -> Lanes<f32>;
+    /// One lane. Panics where there is none of that number.
+    fn lane(&self, lane: usize) -> f32;
     /// a b + c, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// a b - c, rounded once.
@@ -249,6 +251,8 @@ pub trait WordLanes: Word {
     fn load(from: &Lanes<u32>) -> Self;
     /// To memory.
     fn to_lanes(self) -> Lanes<u32>;
+    /// One lane. Panics where there is none of that number.
+    fn lane(&self, lane: usize) -> u32;
     /// Element `index` of a table. Panics where a lane's index is out of range.
     fn gather(table: &[u32], index: Self) -> Self;
     /// Zero-extended.

@@ -328,6 +328,11 @@ impl FloatLanes for F32 {
     }
 
     #[inline(always)]
+    fn lane(&self, lane: usize) -> f32 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
         let mut out = self;
         for i in 0..LANES {
@@ -460,6 +465,11 @@ impl WordLanes for U32 {
     #[inline(always)]
     fn to_lanes(self) -> Lanes<u32> {
         Lanes(self.0)
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> u32 {
+        self.0[lane]
     }
 
     #[inline(always)]
