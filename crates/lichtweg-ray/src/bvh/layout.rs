@@ -3,6 +3,7 @@
 use crate::math::{Bounds3, Vec3};
 use crate::memory::Pages;
 use crate::simd::WIDTH;
+use crate::wide::{Wide, Word, WordLanes};
 
 /// A child of a node: an inner node, a leaf of triangle blocks, or a leaf of other primitives.
 ///
@@ -178,6 +179,20 @@ impl Numbering {
     pub(crate) fn locate(&self, number: u32) -> (u32, u32) {
         let geometry = self.starts.partition_point(|&s| s <= number) - 1;
         (geometry as u32, number - self.starts[geometry])
+    }
+
+    /// Geometries and primitives of sixteen numbers; of no meaning for numbers of nothing.
+    #[inline(always)]
+    pub(crate) fn locate_all<W: Wide>(&self, numbers: W::U32) -> (W::U32, W::U32) {
+        // The geometry is among `left` from `first` on.
+        let mut first = W::U32::splat(0);
+        let mut left = self.starts.len() as u32;
+        while left > 1 {
+            let middle = first + W::U32::splat(left / 2);
+            first = first.select(numbers.lt(W::U32::gather(&self.starts, middle)), middle);
+            left -= left / 2;
+        }
+        (first, numbers - W::U32::gather(&self.starts, first))
     }
 }
 

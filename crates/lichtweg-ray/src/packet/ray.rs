@@ -33,6 +33,30 @@ pub(super) struct Prepared<W: Wide> {
     dz: W::F32,
 }
 
+/// How the rays pass the edges of a triangle: what is known without a division.
+struct Passage<W: Wide> {
+    /// Edge functions, opposite to the corners; their least and largest, their sum.
+    edges: [W::F32; 3],
+    least: W::F32,
+    most: W::F32,
+    det: W::F32,
+    /// Distance along the shear's z, times the sum of the edge functions.
+    depth: W::F32,
+    /// z of the corners.
+    z: [W::F32; 3],
+}
+
+impl<W: Wide> Passage<W> {
+    #[inline(always)]
+    fn before(&self, rays: &Prepared<W>, tfar: W::F32) -> W::Mask {
+        let zero = W::F32::splat(0.0);
+        let inside = zero.le(self.least) | self.most.le(zero);
+        let z = xor_sign::<W>(xor_sign::<W>(self.depth, self.det), rays.scale[2]);
+        let area = self.det.abs();
+        inside.and_not(z.lt(area * rays.near_z)).and_not((area * (tfar * rays.pace)).lt(z))
+    }
+}
+
 /// Hits of one triangle by the rays.
 pub(super) struct TriangleHits<W: Wide> {
     /// Rays that hit it, those in doubt included.
@@ -133,36 +157,42 @@ impl<W: Wide> Prepared<W> {
         (enter.le(leave), enter)
     }
 
-    /// Hits with `tnear < t <= tfar` of a triangle.
+    /// Rays that pass through a triangle before `tfar`, as far as can be told without a division.
     #[inline(always)]
-    pub(super) fn intersect(&self, corners: [[f32; 3]; 3], active: W::Mask, tfar: W::F32) -> TriangleHits<W> {
+    pub(super) fn near(&self, corners: [[f32; 3]; 3], tfar: W::F32) -> W::Mask {
+        self.passage(corners).before(self, tfar)
+    }
+
+    /// Of the rays of [`Prepared::near`], the hits with `tnear < t <= tfar`.
+    #[inline(always)]
+    pub(super) fn intersect(&self, corners: [[f32; 3]; 3], near: W::Mask, tfar: W::F32) -> TriangleHits<W> {
+        let Passage { edges: [u, v, w], least, most, det, z: [az, bz, cz], .. } = self.passage(corners);
+        let zero = W::F32::splat(0.0);
+        let r = W::F32::splat(1.0) / det;
+        let (u, v, w) = (u * r, v * r, w * r);
+        let t = w.mul_add(cz, v.mul_add(bz, u * az)) * self.scale[2];
+        let definite = (zero.lt(least) | most.lt(zero)) & W::F32::splat(TINY_AREA).le(det.abs());
+        let in_range = self.tnear.lt(t) & t.le(tfar);
+        let doubtful = near.and_not(definite);
+        TriangleHits { mask: in_range & near | doubtful, doubtful, t, u: v, v: w }
+    }
+
+    #[inline(always)]
+    fn passage(&self, corners: [[f32; 3]; 3]) -> Passage<W> {
         let [ax, ay, az] = self.sheared(corners[0]);
         let [bx, by, bz] = self.sheared(corners[1]);
         let [cx, cy, cz] = self.sheared(corners[2]);
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
-        let zero = W::F32::splat(0.0);
-        let least = u.min(v).min(w);
-        let most = u.max(v).max(w);
-        let inside = zero.le(least) | most.le(zero);
-        let nothing = W::Mask::from_bits(0);
-        let candidates = inside & active;
-        let det = u + v + w;
-        let depth = w.mul_add(cz, v.mul_add(bz, u * az));
-        let z = xor_sign::<W>(xor_sign::<W>(depth, det), self.scale[2]);
-        let area = det.abs();
-        let near = candidates.and_not(z.lt(area * self.near_z)).and_not((area * (tfar * self.pace)).lt(z));
-        if !near.any() {
-            return TriangleHits { mask: nothing, doubtful: nothing, t: zero, u: zero, v: zero };
+        Passage {
+            edges: [u, v, w],
+            least: u.min(v).min(w),
+            most: u.max(v).max(w),
+            det: u + v + w,
+            depth: w.mul_add(cz, v.mul_add(bz, u * az)),
+            z: [az, bz, cz],
         }
-        let r = W::F32::splat(1.0) / det;
-        let (u, v, w) = (u * r, v * r, w * r);
-        let t = w.mul_add(cz, v.mul_add(bz, u * az)) * self.scale[2];
-        let definite = (zero.lt(least) | most.lt(zero)) & W::F32::splat(TINY_AREA).le(area);
-        let in_range = self.tnear.lt(t) & t.le(tfar);
-        let doubtful = near.and_not(definite);
-        TriangleHits { mask: in_range & near | doubtful, doubtful, t, u: v, v: w }
     }
 
     #[inline(always)]

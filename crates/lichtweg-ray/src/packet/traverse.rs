@@ -6,7 +6,7 @@ use super::ray::{Prepared, corners, settle};
 use super::{HitPacket, RayPacket};
 use crate::accel::Accel;
 use crate::bvh::slab::{Slab, prepare};
-use crate::bvh::{Best, ChildRef, MAX_DEPTH, Other, descend};
+use crate::bvh::{Best, Block, ChildRef, MAX_DEPTH, Other, descend};
 use crate::kind::{Item, Kind, Probe};
 use crate::ray::Hit;
 #[cfg(target_arch = "x86_64")]
@@ -65,8 +65,9 @@ struct Walk<'a, W: Wide, V: NarrowLanes> {
     rays: &'a RayPacket,
     prepared: Prepared<W>,
     bests: Bests<W>,
-    /// Nearest hits of what is no triangle.
-    others: [Other; LANES],
+    /// Nearest hits of what is no triangle, of the rays that were asked for.
+    others: [MaybeUninit<Other>; LANES],
+    asked: u32,
     /// Rays that look for any hit and have found one.
     found: u32,
     /// Rays that have gone on by themselves, made ready for that.
@@ -87,7 +88,8 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             rays,
             prepared,
             bests,
-            others: [Other::NONE; LANES],
+            others: [const { MaybeUninit::uninit() }; LANES],
+            asked: 0,
             found: 0,
             alone: [const { MaybeUninit::uninit() }; LANES],
             ready: 0,
@@ -175,32 +177,44 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
         for index in begin..begin + count {
             // SAFETY: leaf references of the builder are ranges of blocks.
             let block = unsafe { self.accel.bvh.blocks.get_unchecked(index) };
-            for lane in 0..WIDTH {
-                let id = block.ids[lane];
-                if id == u32::MAX {
-                    break;
-                }
-                let active = W::Mask::from_bits(mask & !self.found);
-                let hits = self.prepared.intersect(corners(block, lane), active, self.bests.t);
-                if !hits.mask.any() {
-                    continue;
-                }
-                let sure = hits.mask.and_not(hits.doubtful);
-                if ANY {
-                    self.found |= sure.bits();
-                } else {
-                    let nearer = sure & (hits.t.lt(self.bests.t) | W::U32::splat(id).lt(self.bests.id));
-                    self.bests.t = hits.t.select(nearer, self.bests.t);
-                    self.bests.u = hits.u.select(nearer, self.bests.u);
-                    self.bests.v = hits.v.select(nearer, self.bests.v);
-                    self.bests.id = W::U32::splat(id).select(nearer, self.bests.id);
-                }
-                if hits.doubtful.any() {
-                    self.doubtful::<ANY>(corners(block, lane), id, hits.doubtful.bits());
-                }
-            }
+            self.block::<ANY>(block, mask);
             if ANY && mask & !self.found == 0 {
                 return;
+            }
+        }
+    }
+
+    /// Two passes: the first has no branch that depends on a triangle, and leaves few triangles to the second.
+    #[inline(always)]
+    fn block<const ANY: bool>(&mut self, block: &Block, mask: u32) {
+        let mut near = [0; WIDTH];
+        let mut candidates = 0_u32;
+        let active = mask & !self.found;
+        for (lane, near) in near.iter_mut().enumerate() {
+            if block.ids[lane] == Block::NO_ID {
+                break;
+            }
+            *near = self.prepared.near(corners(block, lane), self.bests.t).bits() & active;
+            candidates |= u32::from(*near != 0) << lane;
+        }
+        while candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            let id = block.ids[lane];
+            let rays = W::Mask::from_bits(near[lane] & !self.found);
+            let hits = self.prepared.intersect(corners(block, lane), rays, self.bests.t);
+            let sure = hits.mask.and_not(hits.doubtful);
+            if ANY {
+                self.found |= sure.bits();
+            } else {
+                let nearer = sure & (hits.t.lt(self.bests.t) | W::U32::splat(id).lt(self.bests.id));
+                self.bests.t = hits.t.select(nearer, self.bests.t);
+                self.bests.u = hits.u.select(nearer, self.bests.u);
+                self.bests.v = hits.v.select(nearer, self.bests.v);
+                self.bests.id = W::U32::splat(id).select(nearer, self.bests.id);
+            }
+            if hits.doubtful.any() {
+                self.doubtful::<ANY>(corners(block, lane), id, hits.doubtful.bits());
             }
         }
     }
@@ -220,6 +234,16 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
         }
     }
 
+    #[inline(always)]
+    fn other(&mut self, lane: usize) -> &mut Other {
+        if self.asked >> lane & 1 == 0 {
+            self.asked |= 1 << lane;
+            self.others[lane].write(Other::NONE);
+        }
+        // SAFETY: written before its bit was set.
+        unsafe { self.others[lane].assume_init_mut() }
+    }
+
     /// A leaf of primitives that are no triangles.
     #[inline(always)]
     fn others_leaf<const ANY: bool>(&mut self, leaf: ChildRef, mut lanes: u32) {
@@ -232,7 +256,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let mut best = self.bests.get(lane);
             let ray = self.rays.get(lane);
             let probe = Probe { ray: &ray, isa: V::ISA, shear: self.prepared.shear(lane) };
-            if best.meet::<ANY, false>(self.accel, leaf, &probe, None, &mut self.others[lane]) {
+            if best.meet::<ANY, false>(self.accel, leaf, &probe, None, self.other(lane)) {
                 self.found |= u32::from(ANY) << lane;
                 self.bests.set(lane, &best);
             }
@@ -270,8 +294,11 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let (zero, t) = (W::F32::splat(0.0), t.to_lanes());
             self.bests.u = zero.select(nearer, self.bests.u);
             self.bests.v = zero.select(nearer, self.bests.v);
-            for lane in (0..LANES).filter(|lane| nearer.bits() >> lane & 1 != 0) {
-                self.others[lane] = Other::new(Hit::plain(t.0[lane], 0.0, 0.0, geometry, 0), id);
+            let mut nearer = nearer.bits();
+            while nearer != 0 {
+                let lane = nearer.trailing_zeros() as usize;
+                nearer &= nearer - 1;
+                *self.other(lane) = Other::new(Hit::plain(t.0[lane], 0.0, 0.0, geometry, 0), id);
             }
         }
         true
@@ -290,11 +317,13 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
                 self.alone[lane].write((slab, WideShear::new(&shear)));
                 self.ready |= 1 << lane;
             }
-            // SAFETY: written before its bit was set.
-            let prepared = unsafe { self.alone[lane].assume_init_ref() };
             let mut best = self.bests.get(lane);
-            let other = &mut self.others[lane];
-            if descend::<V, ANY, false>(self.accel, &ray, prepared, None, &mut best, other, child) {
+            let accel = self.accel;
+            self.other(lane);
+            // SAFETY: written before its bit was set; `other` has written the second.
+            let (prepared, other) =
+                unsafe { (self.alone[lane].assume_init_ref(), self.others[lane].assume_init_mut()) };
+            if descend::<V, ANY, false>(accel, &ray, prepared, None, &mut best, other, child) {
                 self.found |= 1 << lane;
             } else if !ANY {
                 self.bests.set(lane, &best);
@@ -311,24 +340,32 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             v: self.bests.v.to_lanes(),
             ..HitPacket::default()
         };
-        let ids = self.bests.id.to_lanes();
-        for lane in 0..LANES {
-            let id = ids.0[lane];
-            if id == Best::NOTHING {
-                continue;
-            }
-            if id == self.others[lane].id() {
-                self.finish_other(lane, &mut out);
-            } else {
-                (out.geometry.0[lane], out.primitive.0[lane]) = self.accel.bvh.numbering.locate(id);
+        let id = self.bests.id;
+        let nothing = W::U32::splat(Best::NOTHING);
+        let missed = id.equal(nothing);
+        if missed.bits() == (1 << LANES) - 1 {
+            return out;
+        }
+        let (geometry, primitive) = self.accel.bvh.numbering.locate_all::<W>(id);
+        out.geometry = W::U32::splat(HitPacket::NOTHING).select(missed, geometry).to_lanes();
+        out.primitive = W::U32::splat(0).select(missed, primitive).to_lanes();
+        let mut asked = self.asked & !missed.bits();
+        let ids = id.to_lanes();
+        while asked != 0 {
+            let lane = asked.trailing_zeros() as usize;
+            asked &= asked - 1;
+            // SAFETY: written before its bit was set.
+            let other = unsafe { self.others[lane].assume_init_ref() };
+            if ids.0[lane] == other.id() {
+                self.finish_other(lane, other, &mut out);
             }
         }
         out
     }
 
     #[inline(never)]
-    fn finish_other(&self, lane: usize, out: &mut HitPacket) {
-        if let Some(hit) = self.bests.get(lane).hit(self.accel, &self.rays.get(lane), &self.others[lane]) {
+    fn finish_other(&self, lane: usize, other: &Other, out: &mut HitPacket) {
+        if let Some(hit) = self.bests.get(lane).hit(self.accel, &self.rays.get(lane), other) {
             out.set(lane, &hit);
         }
     }

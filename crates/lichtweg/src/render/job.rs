@@ -25,6 +25,8 @@ use crate::scene::description::{Description, Diagnostic, Diagnostics};
 use crate::scene::{Scatterer, Scene, SurfacePoint};
 use crate::transport::{PathObserver, PathTracer, WalkCounts, Wave};
 
+/// Side of a block of pixels whose rays go together.
+const BLOCK: u32 = 4;
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
 
@@ -331,14 +333,12 @@ impl Job {
             auxiliary: vec![AuxiliarySums::default(); if self.auxiliary { area } else { 0 }],
         };
         for tile in tiles {
-            let [tx, ty, tw, _] = tile.window;
-            for (row, pixels) in tile.pixels.chunks_exact(tw as usize).enumerate() {
-                let start = (ty - y0) as usize * width as usize + row * width as usize + (tx - x0) as usize;
-                image.pixels[start..start + tw as usize].copy_from_slice(pixels);
+            for (i, pixel) in tile.pixels.iter().enumerate() {
+                let [x, y] = tile.position(i as u32);
+                let to = (y - y0) as usize * width as usize + (x - x0) as usize;
+                image.pixels[to] = *pixel;
                 if self.auxiliary {
-                    let from = row * tw as usize;
-                    image.auxiliary[start..start + tw as usize]
-                        .copy_from_slice(&tile.auxiliary[from..from + tw as usize]);
+                    image.auxiliary[to] = tile.auxiliary[i];
                 }
             }
         }
@@ -347,10 +347,16 @@ impl Job {
 }
 
 impl Tile {
-    /// Film position of a pixel.
+    /// Film position of a pixel. Pixels are numbered block by block, so that neighbours in a packet of rays are
+    /// neighbours in the image.
+    #[inline]
     fn position(&self, pixel: u32) -> [u32; 2] {
-        let [x, y, width, _] = self.window;
-        [x + pixel % width, y + pixel / width]
+        let [x, y, width, height] = self.window;
+        let (band, pixel) = (pixel / (BLOCK * width), pixel % (BLOCK * width));
+        let rows = BLOCK.min(height - BLOCK * band);
+        let (block, pixel) = (pixel / (BLOCK * rows), pixel % (BLOCK * rows));
+        let columns = BLOCK.min(width - BLOCK * block);
+        [x + BLOCK * block + pixel % columns, y + BLOCK * band + pixel / columns]
     }
 
     /// Adds a sample to a pixel, or counts it as dropped where it is no radiance.
