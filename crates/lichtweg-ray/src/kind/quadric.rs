@@ -155,6 +155,12 @@ fn dot<D: Double>(a: Point<D>, b: Point<D>) -> D {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// A row of a linear map, applied.
+#[inline(always)]
+fn scaled<D: Double>(r: &[f64; 4], p: Point<D>) -> D {
+    D::splat(r[0]) * p[0] + D::splat(r[1]) * p[1] + D::splat(r[2]) * p[2]
+}
+
 #[inline(always)]
 fn along<D: Double>(o: Point<D>, d: Point<D>, t: D) -> Point<D> {
     [o[0] + d[0] * t, o[1] + d[1] * t, o[2] + d[2] * t]
@@ -228,7 +234,7 @@ impl PlacedQuadric {
         let [ox, oy, oz] = origin;
         let [dx, dy, dz] = direction;
         let (o, d) =
-            self.to_object([ox.widen(), oy.widen(), oz.widen()], [dx.widen(), dy.widen(), dz.widen()]);
+            self.in_object_space([ox.widen(), oy.widen(), oz.widen()], [dx.widen(), dy.widen(), dz.widen()]);
         let (roots, real) = quadratic(o, d);
         let (t0, t1) = (roots[0].narrow(), roots[1].narrow());
         let first = tnear.lt(t0) & t0.le(tfar);
@@ -269,17 +275,15 @@ impl PlacedQuadric {
     }
 
     fn local(&self, ray: &Ray) -> (Point, Point) {
-        self.to_object(ray.origin.to_array().map(f64::from), ray.direction.to_array().map(f64::from))
+        self.in_object_space(ray.origin.to_array().map(f64::from), ray.direction.to_array().map(f64::from))
     }
 
     /// An origin and a direction in object space.
     #[inline(always)]
-    fn to_object<D: Double>(&self, o: Point<D>, d: Point<D>) -> (Point<D>, Point<D>) {
-        let linear =
-            |r: &[f64; 4], p: Point<D>| D::splat(r[0]) * p[0] + D::splat(r[1]) * p[1] + D::splat(r[2]) * p[2];
+    fn in_object_space<D: Double>(&self, o: Point<D>, d: Point<D>) -> (Point<D>, Point<D>) {
         let [x, y, z] = &self.world_to_object.rows;
-        let point = |r: &[f64; 4]| linear(r, o) + D::splat(r[3]);
-        ([point(x), point(y), point(z)], [linear(x, d), linear(y, d), linear(z, d)])
+        let p = [scaled(x, o) + D::splat(x[3]), scaled(y, o) + D::splat(y[3]), scaled(z, o) + D::splat(z[3])];
+        (p, [scaled(x, d), scaled(y, d), scaled(z, d)])
     }
 
     /// Whether the clips in height, radius and azimuth keep a point of the full surface.

@@ -266,8 +266,9 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
         if items.iter().any(|item| sphere(item.geometry).is_none()) {
             return false;
         }
-        let load = |v: &[_; 3]| [W::F32::load(&v[0]), W::F32::load(&v[1]), W::F32::load(&v[2])];
-        let (origin, direction) = (load(&self.rays.origin), load(&self.rays.direction));
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.rays.origin, &self.rays.direction);
+        let origin = [W::F32::load(ox), W::F32::load(oy), W::F32::load(oz)];
+        let direction = [W::F32::load(dx), W::F32::load(dy), W::F32::load(dz)];
         for &Item { geometry, .. } in items {
             let Some(sphere) = sphere(geometry) else { continue };
             let (t, hit) = sphere.intersect_sphere(origin, direction, self.prepared.tnear, self.bests.t);
@@ -284,7 +285,10 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             let (zero, t) = (W::F32::splat(0.0), t.to_lanes());
             self.bests.u = zero.select(nearer, self.bests.u);
             self.bests.v = zero.select(nearer, self.bests.v);
-            for lane in (0..LANES).filter(|lane| nearer.bits() >> lane & 1 != 0) {
+            let mut nearer = nearer.bits();
+            while nearer != 0 {
+                let lane = nearer.trailing_zeros() as usize;
+                nearer &= nearer - 1;
                 *self.other(lane) = Other::new(Hit::plain(t.0[lane], 0.0, 0.0, geometry, 0), id);
             }
         }

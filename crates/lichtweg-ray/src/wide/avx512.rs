@@ -280,8 +280,9 @@ impl Double for F64 {
         // SAFETY: see above.
         unsafe {
             let sign = _mm512_set1_pd(-0.0);
-            let one = |a, b| _mm512_or_pd(_mm512_andnot_pd(sign, a), _mm512_and_pd(sign, b));
-            Self(one(self.0, b.0), one(self.1, b.1))
+            let low = _mm512_or_pd(_mm512_andnot_pd(sign, self.0), _mm512_and_pd(sign, b.0));
+            let high = _mm512_or_pd(_mm512_andnot_pd(sign, self.1), _mm512_and_pd(sign, b.1));
+            Self(low, high)
         }
     }
 

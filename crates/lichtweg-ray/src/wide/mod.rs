@@ -23,7 +23,8 @@
 //! assert_eq!(c.0, [5.0; 16]);
 //! ```
 //!
-//! All that a kernel calls must be `#[inline(always)]`: what is compiled by itself does not have the instruction set.
+//! All that a kernel calls must be `#[inline(always)]`: what is compiled by itself does not have the instruction set. A closure
+//! over lanes that is longer than a line may be.
 
 #[cfg(target_arch = "x86_64")]
 #[allow(
@@ -212,7 +213,6 @@ pub type Row = Lanes<f32>;
 pub trait Word:
     Copy
     + Add<Output = Self>
-    + Sub<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
     + BitAnd<Output = Self>

@@ -47,20 +47,30 @@ pub fn dielectric(cos_theta_i: f32, eta: f32) -> FresnelDielectric {
 /// Reflectance of a conductor of index `eta` + i `k`, per lane, seen under the cosine `cos_theta_i` > 0.
 #[inline(always)]
 pub fn conductor<F: Float>(cos_theta_i: F, eta: Spectra<F>, k: Spectra<F>) -> Spectra<F> {
-    let splat = F::splat;
+    let ([a, b, c, d], [p, q, r, s]) = (eta.0, k.0);
+    let cos = cos_theta_i;
+    Spectra([
+        conductor_lane(cos, a, p),
+        conductor_lane(cos, b, q),
+        conductor_lane(cos, c, r),
+        conductor_lane(cos, d, s),
+    ])
+}
+
+#[inline(always)]
+fn conductor_lane<F: Float>(cos_theta_i: F, eta: F, k: F) -> F {
+    let (half, two) = (F::splat(0.5), F::splat(2.0));
     let cos2 = cos_theta_i * cos_theta_i;
-    let sin2 = splat(1.0) - cos2;
-    eta.zip(k, |eta, k| {
-        // a + i b is the normal component of the refracted wave vector: (a + i b)^2 = (eta + i k)^2 - sin^2.
-        let real = eta * eta - k * k - sin2;
-        let imaginary = splat(2.0) * eta * k;
-        let a2_plus_b2 = (real * real + imaginary * imaginary).sqrt();
-        let a = (splat(0.5) * (a2_plus_b2 + real)).max(splat(0.0)).sqrt();
-        let twice_a_cos = splat(2.0) * a * cos_theta_i;
-        let r_s = quotient(a2_plus_b2 + cos2, twice_a_cos);
-        let r_p = r_s * quotient(a2_plus_b2 * cos2 + sin2 * sin2, twice_a_cos * sin2);
-        splat(0.5) * (r_s + r_p)
-    })
+    let sin2 = F::splat(1.0) - cos2;
+    // a + i b is the normal component of the refracted wave vector: (a + i b)^2 = (eta + i k)^2 - sin^2.
+    let real = eta * eta - k * k - sin2;
+    let imaginary = two * eta * k;
+    let a2_plus_b2 = (real * real + imaginary * imaginary).sqrt();
+    let a = (half * (a2_plus_b2 + real)).max(F::splat(0.0)).sqrt();
+    let twice_a_cos = two * a * cos_theta_i;
+    let r_s = quotient(a2_plus_b2 + cos2, twice_a_cos);
+    let r_p = r_s * quotient(a2_plus_b2 * cos2 + sin2 * sin2, twice_a_cos * sin2);
+    half * (r_s + r_p)
 }
 
 /// (p - q) / (p + q), and not NaN where both vanish, as they do for the unphysical index 0.

@@ -20,24 +20,11 @@ pub struct Spectra<F>(pub [F; LANES]);
 pub type Spectrum = Spectra<f32>;
 
 impl<F: Float> Spectra<F> {
-    /// `f` of each lane.
-    #[inline(always)]
-    pub fn map(self, f: impl Fn(F) -> F) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([f(a), f(b), f(c), f(d)])
-    }
-
-    /// `f` of each pair of lanes.
-    #[inline(always)]
-    pub fn zip(self, o: Self, f: impl Fn(F, F) -> F) -> Self {
-        let ([a, b, c, d], [p, q, r, s]) = (self.0, o.0);
-        Self([f(a, p), f(b, q), f(c, r), f(d, s)])
-    }
-
     /// This where the mask is true, `other` elsewhere.
     #[inline(always)]
     pub fn select(self, mask: F::Mask, other: Self) -> Self {
-        self.zip(other, |a, b| a.select(mask, b))
+        let ([a, b, c, d], [p, q, r, s]) = (self.0, other.0);
+        Self([a.select(mask, p), b.select(mask, q), c.select(mask, r), d.select(mask, s)])
     }
 
     /// Largest lane.
@@ -80,6 +67,20 @@ impl Spectrum {
         [self.0[0], self.0[1], self.0[2]]
     }
 
+    /// `f` of each lane.
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([f(a), f(b), f(c), f(d)])
+    }
+
+    /// `f` of each pair of lanes.
+    #[inline(always)]
+    pub fn zip(self, o: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let ([a, b, c, d], [p, q, r, s]) = (self.0, o.0);
+        Self([f(a, p), f(b, q), f(c, r), f(d, s)])
+    }
+
     /// Square root of each lane.
     #[inline]
     pub fn sqrt(self) -> Self {
@@ -106,17 +107,24 @@ impl Spectrum {
     }
 }
 
+// Written out, since what is called through a closure may be compiled by itself, without the instruction set of lanes.
 macro_rules! lanewise {
     ($($op:ident $f:ident $o:tt),+) => {$(
         impl<F: Float> $op for Spectra<F> {
             type Output = Self;
             #[inline(always)]
-            fn $f(self, rhs: Self) -> Self { self.zip(rhs, |a, b| a $o b) }
+            fn $f(self, rhs: Self) -> Self {
+                let ([a, b, c, d], [p, q, r, s]) = (self.0, rhs.0);
+                Self([a $o p, b $o q, c $o r, d $o s])
+            }
         }
         impl<F: Float> $op<F> for Spectra<F> {
             type Output = Self;
             #[inline(always)]
-            fn $f(self, rhs: F) -> Self { self.map(|a| a $o rhs) }
+            fn $f(self, rhs: F) -> Self {
+                let [a, b, c, d] = self.0;
+                Self([a $o rhs, b $o rhs, c $o rhs, d $o rhs])
+            }
         }
     )+};
 }

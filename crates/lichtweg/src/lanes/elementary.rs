@@ -8,7 +8,7 @@ use std::f32::consts::{LOG2_E, SQRT_2};
 use lichtweg_ray::wide::{Float, Word};
 
 /// ln 2 in two parts: multiples of the first by small integers are exact.
-const LN_2: [f32; 2] = [0.693_359_375, -2.121_944_4e-4];
+const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 
 /// e^x; x is held within -87.3 and 88, so that neither end leaves the normal numbers. That of NaN is the least.
 #[inline(always)]
@@ -32,7 +32,7 @@ pub(crate) fn exp<F: Float>(x: F) -> F {
 #[inline(always)]
 pub(crate) fn ln<F: Float>(x: F) -> F {
     const C: [f32; 9] = [
-        3.333_333_1e-1,
+        0.333_333_3,
         -2.499_999_4e-1,
         2.000_071_5e-1,
         -1.666_805_8e-1,
@@ -63,10 +63,10 @@ pub(crate) fn ln<F: Float>(x: F) -> F {
 /// Sum of c_i t^i by Estrin's scheme: Horner's would be one long chain of dependent operations.
 #[inline(always)]
 pub(crate) fn polynomial<F: Float>(c: &[F; 9], t: F) -> F {
-    let pair = |i: usize| c[i] + c[i + 1] * t;
     let t2 = t * t;
     let t4 = t2 * t2;
-    (pair(0) + pair(2) * t2) + (pair(4) + pair(6) * t2 + c[8] * t4) * t4
+    let [c01, c23, c45, c67] = [c[0] + c[1] * t, c[2] + c[3] * t, c[4] + c[5] * t, c[6] + c[7] * t];
+    (c01 + c23 * t2) + (c45 + c67 * t2 + c[8] * t4) * t4
 }
 
 #[cfg(test)]

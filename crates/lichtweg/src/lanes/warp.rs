@@ -35,13 +35,16 @@ fn sin_cos_eighth<F: Float>(r: F) -> (F, F) {
 /// See `warp::sin_cos_turn`.
 #[inline(always)]
 pub(crate) fn sin_cos_turn<F: Float>(turns: F) -> (F, F) {
-    let (splat, word) = (F::splat, F::Bits::splat);
+    let splat = F::splat;
+    let (one, two) = (F::Bits::splat(1), F::Bits::splat(2));
     let quarter = (splat(4.0) * turns + splat(0.5)).truncate();
     let (sin, cos) = sin_cos_eighth(splat(2.0) * (splat(4.0) * turns - quarter.to_float()));
-    let odd = (quarter & word(1)).equal(word(1));
+    let odd = (quarter & one).equal(one);
     // Bit 1 is the sign of the sine, that of the next quarter the sign of the cosine.
-    let signed = |x: F, quarter: F::Bits| (x.bits() ^ (quarter & word(2)).shl::<30>()).as_float();
-    (signed(cos.select(odd, sin), quarter), signed(sin.select(odd, cos), quarter + word(1)))
+    let sin_sign = (quarter & two).shl::<30>();
+    let cos_sign = ((quarter + one) & two).shl::<30>();
+    let (sin, cos) = (cos.select(odd, sin), sin.select(odd, cos));
+    ((sin.bits() ^ sin_sign).as_float(), (cos.bits() ^ cos_sign).as_float())
 }
 
 /// See `warp::cosine_hemisphere`.

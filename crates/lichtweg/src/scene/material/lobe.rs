@@ -35,7 +35,7 @@ impl LobeMaterial {
             row.0[..4].copy_from_slice(&c.0);
         }
         row.0[4..4 + parameters.len()].copy_from_slice(parameters);
-        Self { model, reflectance: [reflectance; 2], rows: [row.clone(); 2] }
+        Self { model, reflectance: [reflectance; 2], rows: [row; 2] }
     }
 
     /// The fronts of two materials back to back; `None` where the models differ.
