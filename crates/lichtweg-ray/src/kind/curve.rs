@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Candidate, Probe};
 use crate::accel::BuildReport;
-use crate::curve::{Curves, Piece, RaySpace, Unusable, pieces};
+use crate::curve::{Capsule, Curves, Piece, RaySpace, Unusable, pieces};
 use crate::math::{Bounds3, Vec3};
 use crate::ray::{Hit, Ray};
 
@@ -35,6 +35,10 @@ impl PreparedCurves {
         self.pieces.par_iter().map(|piece| piece.bounds(&self.curves)).collect()
     }
 
+    pub(crate) fn capsule(&self, item: u32) -> Capsule {
+        self.pieces[item as usize].capsule(&self.curves)
+    }
+
     pub(crate) fn count(&self, report: &mut BuildReport) {
         let dropped = self.dropped_degenerate + self.dropped_non_finite;
         report.curve_segments += self.curves.segment_count() - dropped;
@@ -46,7 +50,7 @@ impl PreparedCurves {
     #[inline]
     pub(crate) fn intersect(&self, item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
         let piece = self.pieces[item as usize];
-        let hit = self.curves.intersect(piece, &RaySpace::new(probe.ray), tnear, tfar)?;
+        let hit = self.curves.intersect(probe.isa, piece, &RaySpace::new(probe.ray), tnear, tfar)?;
         Some(Candidate { t: hit.t, u: hit.u, v: 0.0, primitive: piece.segment })
     }
 

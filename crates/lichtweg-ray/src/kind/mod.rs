@@ -182,7 +182,10 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     let probe = Probe { ray: &ray, ..*probe };
     let mut best: Option<(Hit, u32)> = None;
     let (begin, count) = leaf.leaf();
-    for &item in &accel.items[begin..begin + count] {
+    let mut near = accel.capsules.near(probe.isa, begin, count, &ray, tfar);
+    while near != 0 {
+        let item = accel.items[begin + near.trailing_zeros() as usize];
+        near &= near - 1;
         if FILTERED && !accel.is_seen(ray.mask, item.geometry) {
             continue;
         }
