@@ -144,7 +144,8 @@ impl Accel {
         let start = Instant::now();
         let mut census = build::census(&geometries)?;
         let bvh = build::build(&geometries, &mut census, options.quality)?;
-        let items: Vec<Item> = bvh.others.iter().map(|&i| census.items[i as usize]).collect();
+        let item = |&i: &u32| census.items.get(i as usize).copied().unwrap_or(Item::NONE);
+        let items: Vec<Item> = bvh.others.iter().map(item).collect();
         let kinds = census.kinds;
         let capsules = Capsules::new(&items, &kinds);
         let report = BuildReport {

@@ -154,7 +154,9 @@ fn joined<T: Copy + Send + Sync, U: Sync>(
     let len = first.len() + parts.iter().map(|(_, p)| array(p).len()).sum::<usize>();
     let fill = |out: &mut [MaybeUninit<T>]| {
         let (head, mut rest) = out.split_at_mut(first.len());
-        head.write_copy_of_slice(first);
+        for (to, from) in head.iter_mut().zip(first) {
+            to.write(*from);
+        }
         let mut jobs = Vec::with_capacity(parts.len());
         for (_, part) in parts {
             let (to, tail) = rest.split_at_mut(array(part).len());

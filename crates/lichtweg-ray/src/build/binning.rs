@@ -221,8 +221,8 @@ fn sweep<const N: usize>(histogram: &Histogram<N>, grid: Grid, block: u32) -> Op
     let mut boxes = [QuadBox::empty(); 3];
     let mut counts = [0; 4];
     let add = |bin: usize, boxes: &mut [QuadBox; 3], counts: &mut [u32; 4]| {
-        for axis in 0..3 {
-            boxes[axis] = boxes[axis].union(histogram.bounds[bin][axis]);
+        for (whole, part) in boxes.iter_mut().zip(histogram.bounds[bin]) {
+            *whole = whole.union(part);
         }
         for (sum, n) in counts.iter_mut().zip(histogram.counts[bin]) {
             *sum += n;
@@ -236,8 +236,8 @@ fn sweep<const N: usize>(histogram: &Histogram<N>, grid: Grid, block: u32) -> Op
     let mut best = (f32::INFINITY, 0, 0);
     let mut boxes = [QuadBox::empty(); 3];
     let mut counts = [0; 4];
-    for bin in 1..grid.bins {
-        let cost = add(bin - 1, &mut boxes, &mut counts).add(right_cost[bin]).to_array();
+    for (bin, right) in right_cost.iter().enumerate().take(grid.bins).skip(1) {
+        let cost = add(bin - 1, &mut boxes, &mut counts).add(*right).to_array();
         for axis in 0..3 {
             let is_split = counts[axis] != 0 && counts[axis] != total;
             if is_split && cost[axis] < best.0 {

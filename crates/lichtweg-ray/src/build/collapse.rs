@@ -12,6 +12,9 @@ use super::tree::{BlockNames, Part};
 use crate::bvh::{ChildRef, Node};
 use crate::simd::{QuadBox, WIDTH};
 
+/// What fills a gap between leaves of others.
+const NO_OTHER: u32 = u32::MAX;
+
 /// Cost of visiting a node, in units of testing a block.
 const NODE_COST: f32 = 0.5;
 
@@ -58,8 +61,9 @@ pub(crate) fn collapse(binary: &mut Binary, others_at_once: u32) -> (Part, Child
     // Most leaves keep their block.
     let blocks = Vec::with_capacity(binary.nodes.len() / 2 + 1);
     let part = Part { blocks, ..Part::default() };
-    let mut emission = Emission { binary, best: &best, part };
+    let mut emission = Emission { others_at_once, binary, best: &best, part };
     let root = emission.child(0);
+    emission.fill_up(0);
     (emission.part, root)
 }
 
@@ -100,6 +104,7 @@ fn cheapest(node: &BinaryNode, leaf: f32, [left, right]: [&[f32; WIDTH - 1]; 2])
 }
 
 struct Emission<'a> {
+    others_at_once: u32,
     binary: &'a mut Binary,
     best: &'a [Best],
     part: Part,
@@ -139,13 +144,25 @@ impl Emission<'_> {
         }
     }
 
+    /// Begins another row of eight others, where the last one has no room for some more; what is tested at once lies in one.
+    fn fill_up(&mut self, more: usize) {
+        let (row, others) = (self.others_at_once as usize, &mut self.part.others);
+        let used = others.len() % row;
+        if used != 0 && (more == 0 || used + more > row) && row > 1 {
+            others.resize(others.len() + row - used, NO_OTHER);
+        }
+    }
+
     fn leaf(&mut self, n: usize) -> ChildRef {
         let BinaryNode { first, count, others, .. } = self.binary.nodes[n];
         let range = first as usize..(first + count) as usize;
-        let names = &mut self.binary.names[range];
+        let names = &mut self.binary.names[range.clone()];
         names.sort_unstable();
         if others != 0 {
+            let needed = names.len();
+            self.fill_up(needed);
             let first = self.part.others.len();
+            let names = &self.binary.names[range];
             self.part.others.extend(names.iter().map(|(_, primitive)| primitive));
             return ChildRef::others(first, names.len());
         }

@@ -8,6 +8,8 @@
 //! a separating axis each. R is the radius and a margin: distances are off by less than 2^-20 of how far the ends are from
 //! the ray's origin, d too; so |d| is taken longer by as much, which the cross product needs where d is short.
 
+use rayon::prelude::*;
+
 use super::ray_space::RaySpace;
 use crate::kind::{Item, Kind};
 use crate::ray::Ray;
@@ -54,12 +56,27 @@ impl Block {
 #[derive(Debug, Default)]
 pub(crate) struct Capsules(Vec<Block>);
 
-/// A ray's frame and range, distances in units of length.
-struct Frame {
+/// A ray made ready for curves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CurveRay {
+    pub space: RaySpace,
+    /// The frame, rounded.
     origin: [f32; 3],
     axes: [[f32; 3]; 3],
+    /// Where the range begins, in units of length.
     begin: f32,
-    end: f32,
+}
+
+impl CurveRay {
+    pub(crate) fn new(ray: &Ray) -> Self {
+        let space = RaySpace::new(ray);
+        Self {
+            space,
+            origin: ray.origin.to_array(),
+            axes: space.axes().map(|axis| axis.map(|x| x as f32)),
+            begin: space.distance(ray.tnear) / SLACK,
+        }
+    }
 }
 
 impl Capsules {
@@ -70,71 +87,61 @@ impl Capsules {
         let block = |items: &[Item]| {
             let mut block = Block::EMPTY;
             for (lane, item) in items.iter().enumerate() {
-                match &kinds[item.geometry as usize] {
-                    Kind::Curves(curves) => block.set(lane, &curves.capsule(item.index)),
+                match kinds.get(item.geometry as usize) {
+                    Some(Kind::Curves(curves)) => block.set(lane, &curves.capsule(item.index)),
                     _ => block.foreign |= 1 << lane,
                 }
             }
             block
         };
-        Self(items.chunks(WIDTH).map(block).collect())
+        Self(items.par_chunks(WIDTH).map(block).collect())
     }
 
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.0)
     }
 
+    /// Whether there are no curves.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Which of `count` items from `begin` on, eight at most, the ray may meet before `tfar`: item i as bit i.
     #[inline(always)]
-    pub(crate) fn near(&self, isa: Isa, begin: usize, count: usize, ray: &Ray, tfar: f32) -> u32 {
-        let all = (1 << count) - 1;
-        if self.0.is_empty() {
-            return all;
-        }
+    pub(crate) fn near(&self, isa: Isa, begin: usize, count: usize, ray: &CurveRay, tfar: f32) -> u32 {
         let (first, shift) = (begin / WIDTH, begin % WIDTH);
-        let frame = Frame::new(ray, tfar);
-        let mut near = self.0[first].near(isa, &frame);
+        let end = ray.space.distance(tfar) * SLACK;
+        let mut near = self.0[first].near(isa, ray, end);
         if shift + count > WIDTH {
-            near |= self.0[first + 1].near(isa, &frame) << WIDTH;
+            near |= self.0[first + 1].near(isa, ray, end) << WIDTH;
         }
-        near >> shift & all
-    }
-}
-
-impl Frame {
-    fn new(ray: &Ray, tfar: f32) -> Self {
-        let space = RaySpace::new(ray);
-        Self {
-            origin: ray.origin.to_array(),
-            axes: space.axes().map(|axis| axis.map(|x| x as f32)),
-            begin: space.distance(ray.tnear) / SLACK,
-            end: space.distance(tfar) * SLACK,
-        }
+        near >> shift & ((1 << count) - 1)
     }
 }
 
 impl Block {
-    fn near(&self, isa: Isa, frame: &Frame) -> u32 {
+    fn near(&self, isa: Isa, ray: &CurveRay, end: f32) -> u32 {
         match isa {
-            Isa::Portable => self.near_as::<Portable>(frame),
+            Isa::Portable => self.near_as::<Portable>(ray, end),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: values of `Isa` come from detection.
-            Isa::Avx2 => unsafe { near_avx2(self, frame) },
+            Isa::Avx2 => unsafe { near_avx2(self, ray, end) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            Isa::Avx512 => unsafe { near_avx512(self, frame) },
+            Isa::Avx512 => unsafe { near_avx512(self, ray, end) },
         }
     }
 
     #[inline(always)]
-    fn near_as<V: Lanes>(&self, frame: &Frame) -> u32 {
-        let (a, size_a) = project::<V>(&self.ends[0], frame);
-        let (b, size_b) = project::<V>(&self.ends[1], frame);
+    fn near_as<V: Lanes>(&self, ray: &CurveRay, end: f32) -> u32 {
+        let (a, size_a) = project::<V>(&self.ends[0], ray);
+        let (b, size_b) = project::<V>(&self.ends[1], ray);
         let margin = size_a.max(size_b).mul(V::splat(MARGIN));
         let radius = row::<V>(&self.radius).add(margin);
         let beside = meets_stadium([a[0], a[1]], [b[0], b[1]], radius, margin);
-        let begins = a[2].min(b[2]).sub(radius).le(V::splat(frame.end));
-        let ends = V::splat(frame.begin).le(a[2].max(b[2]).add(radius));
+        let begins = a[2].min(b[2]).sub(radius).le(V::splat(end));
+        let ends = V::splat(ray.begin).le(a[2].max(b[2]).add(radius));
         V::bits(V::and(beside, V::and(begins, ends))) | self.foreign
     }
 }
@@ -143,14 +150,14 @@ impl Block {
 ///
 /// No closures in arithmetic on lanes: they do not take on the instruction set of the function around them.
 #[inline(always)]
-fn project<V: Lanes>(points: &[[f32; WIDTH]; 3], frame: &Frame) -> ([V; 3], V) {
-    let [ox, oy, oz] = frame.origin;
+fn project<V: Lanes>(points: &[[f32; WIDTH]; 3], ray: &CurveRay) -> ([V; 3], V) {
+    let [ox, oy, oz] = ray.origin;
     let p = [
         row::<V>(&points[0]).sub(V::splat(ox)),
         row::<V>(&points[1]).sub(V::splat(oy)),
         row::<V>(&points[2]).sub(V::splat(oz)),
     ];
-    let [x, y, z] = &frame.axes;
+    let [x, y, z] = &ray.axes;
     ([along(p, x), along(p, y), along(p, z)], p[0].abs().add(p[1].abs()).add(p[2].abs()))
 }
 
@@ -181,12 +188,12 @@ fn row<V: Lanes>(values: &[f32; WIDTH]) -> V {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn near_avx2(block: &Block, frame: &Frame) -> u32 {
-    block.near_as::<Avx2>(frame)
+fn near_avx2(block: &Block, ray: &CurveRay, end: f32) -> u32 {
+    block.near_as::<Avx2>(ray, end)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,avx512f,avx512vl,avx512dq")]
-fn near_avx512(block: &Block, frame: &Frame) -> u32 {
-    block.near_as::<Avx512>(frame)
+fn near_avx512(block: &Block, ray: &CurveRay, end: f32) -> u32 {
+    block.near_as::<Avx512>(ray, end)
 }

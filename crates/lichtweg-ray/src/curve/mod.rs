@@ -33,7 +33,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::math::Vec3;
-pub(crate) use capsule::{Capsule, Capsules};
+pub(crate) use capsule::{Capsule, Capsules, CurveRay};
 use pieces::Cut;
 pub(crate) use pieces::{Piece, Unusable, pieces};
 pub(crate) use ray_space::RaySpace;

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::{Candidate, Probe};
+use super::Candidate;
 use crate::accel::BuildReport;
 use crate::curve::{Capsule, Curves, Piece, RaySpace, Unusable, pieces};
 use crate::math::{Bounds3, Vec3};
 use crate::ray::{Hit, Ray};
+use crate::simd::Isa;
 
 /// Curves and their pieces.
 #[derive(Debug)]
@@ -48,9 +49,16 @@ impl PreparedCurves {
 
     /// The nearest hit of a piece; its v waits for [`PreparedCurves::completed`].
     #[inline]
-    pub(crate) fn intersect(&self, item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
+    pub(crate) fn intersect(
+        &self,
+        item: u32,
+        isa: Isa,
+        space: &RaySpace,
+        tnear: f32,
+        tfar: f32,
+    ) -> Option<Candidate> {
         let piece = self.pieces[item as usize];
-        let hit = self.curves.intersect(probe.isa, piece, &RaySpace::new(probe.ray), tnear, tfar)?;
+        let hit = self.curves.intersect(isa, piece, space, tnear, tfar)?;
         Some(Candidate { t: hit.t, u: hit.u, v: 0.0, primitive: piece.segment })
     }
 
