@@ -1,9 +1,10 @@
 //! Rays against time, build time and memory: ours, and Embree's where `EMBREE_LIBRARY` names a libembree4
 //! (`bench/fetch_embree.py` fetches one).
 //!
-//! `cargo bench -p lichtweg-ray -- [--quick] [scene substring]`. Both sides answer the same single-ray
-//! queries on the same triangles in the same process, by turns, with denormals flushed to zero; the fastest
-//! of several turns counts. `STREET_PLY` names the street as a PLY file (`--example street_ply` of
+//! `cargo bench -p lichtweg-ray -- [--quick] [--builds] [--avx2] [scene substring]`. Both sides answer the same
+//! single-ray queries on the same triangles in the same process, by turns, with denormals flushed to zero; the
+//! fastest of several turns counts. `--builds` measures no queries, but more builds; `--avx2` holds both sides to
+//! AVX2, which they leave for AVX-512 otherwise. `STREET_PLY` names the street as a PLY file (`--example street_ply` of
 //! `lichtweg-io` writes it), `HOUSE_PLY` the folder of the house's PLY files; without the first a stand-in
 //! street is generated, without the second the house is left out. With `--features count` nodes and triangles touched are counted instead.
 
@@ -11,7 +12,7 @@ mod support;
 
 use libloading::Library;
 use lichtweg_ray::math::Vec3;
-use lichtweg_ray::{Accel, BuildQuality};
+use lichtweg_ray::{Accel, BuildOptions, BuildQuality, CurveBasis};
 use support::embree::{Embree, Mode};
 use support::rays::{self, Rays};
 use support::scenes::{self, Scene};
@@ -26,21 +27,38 @@ struct Settings {
     side: u32,
     turns: usize,
     builds: usize,
+    queries: bool,
+}
+
+impl Settings {
+    fn new(flag: impl Fn(&str) -> bool) -> Self {
+        let queries = !flag("--builds");
+        match (flag("--quick"), queries) {
+            (true, true) => Self { side: 300, turns: 7, builds: 1, queries },
+            (true, false) => Self { side: 300, turns: 0, builds: 3, queries },
+            (false, true) => Self { side: 400, turns: 25, builds: 3, queries },
+            (false, false) => Self { side: 400, turns: 0, builds: 9, queries },
+        }
+    }
 }
 
 fn main() {
+    let arguments: Vec<_> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let flag = |name: &str| arguments.iter().any(|a| a == name);
+    if flag("--avx2") {
+        // SAFETY: no other thread runs yet.
+        unsafe {
+            std::env::set_var("LICHTWEG_ISA", "avx2");
+            std::env::set_var("EMBREE_CONFIG", "isa=avx2");
+        }
+    }
     timing::flush_denormals();
     rayon::ThreadPoolBuilder::new()
         .start_handler(|_| timing::flush_denormals())
         .build_global()
         .expect("threads");
-    let arguments: Vec<_> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let wanted = arguments.iter().find(|a| !a.starts_with('-')).cloned().unwrap_or_default();
-    let settings = if arguments.iter().any(|a| a == "--quick") {
-        Settings { side: 300, turns: 7, builds: 1 }
-    } else {
-        Settings { side: 400, turns: 25, builds: 3 }
-    };
+    let settings = Settings::new(flag);
     let library = std::env::var("EMBREE_LIBRARY").ok().and_then(|path| Embree::open(&path));
     let makers: [(&str, Maker); 5] = [
         ("displaced sphere", || Some(scenes::displaced_sphere(707))),
@@ -49,17 +67,23 @@ fn main() {
         ("house", house),
         ("teapot in a stadium", || Some(scenes::stadium::teapot_in_a_stadium(160))),
     ];
-    let mut all = Vec::new();
+    let mut found = Found::default();
     for (name, make) in makers {
         if !name.contains(&wanted) {
             continue;
         }
         match make() {
-            Some(scene) => compare(&scene, library, settings, &mut all),
+            Some(scene) => compare(&scene, library, settings, &mut found),
             None => println!("\n{name}: skipped, see the head of this program"),
         }
     }
-    summarise(&all);
+    for (name, basis) in [("hairs of lines", CurveBasis::Linear), ("hairs of splines", CurveBasis::BSpline)] {
+        if name.contains(&wanted) {
+            compare_curves(name, basis, library, settings);
+        }
+    }
+    summarise_builds(&found.builds);
+    summarise(&found.queries);
 }
 
 fn street() -> Option<Scene> {
@@ -88,9 +112,20 @@ struct Ratio {
     ratio: f64,
 }
 
-fn compare(scene: &Scene, library: Option<&'static Library>, settings: Settings, all: &mut Vec<Ratio>) {
+/// What all scenes add up to.
+#[derive(Default)]
+struct Found {
+    /// Times of fast and high builds, ours over theirs.
+    builds: Vec<[f64; 2]>,
+    queries: Vec<Ratio>,
+}
+
+fn compare(scene: &Scene, library: Option<&'static Library>, settings: Settings, found: &mut Found) {
     println!("\n{}: {} triangles", scene.name, scene.indices.len());
-    let accel = builds(scene, library, settings);
+    let accel = builds(scene, library, settings, &mut found.builds);
+    if !settings.queries {
+        return;
+    }
     let sets = rays::sets(scene, &accel, settings.side);
     if cfg!(feature = "count") {
         return sets.iter().for_each(|set| count(set, &accel));
@@ -100,13 +135,58 @@ fn compare(scene: &Scene, library: Option<&'static Library>, settings: Settings,
     println!("  Mrays/s               ours      Embree high       Embree robust");
     for threads in [Threads::One, Threads::All] {
         for set in &sets {
-            measure(set, threads, &accel, [high.as_ref(), robust.as_ref()], scene.name, settings, all);
+            measure(
+                set,
+                threads,
+                &accel,
+                [high.as_ref(), robust.as_ref()],
+                scene.name,
+                settings,
+                &mut found.queries,
+            );
+        }
+    }
+}
+
+/// Round curves, of which Embree 4 has the same kinds; no part of the summary.
+fn compare_curves(
+    name: &'static str,
+    basis: CurveBasis,
+    library: Option<&'static Library>,
+    settings: Settings,
+) {
+    let curves = scenes::curves::curves(basis, scenes::curves::hair_ball(20_000));
+    println!("\n{name}: {} segments", curves.segment_count());
+    let accel = Accel::build(vec![curves.clone().into()], BuildOptions::default()).expect("sound curves");
+    let embree = library.map(|l| Embree::build_curves(l, &curves));
+    let line = |whose: &str, seconds: f64, bytes: f64| {
+        let a_segment = bytes / curves.segment_count() as f64;
+        println!("  build {whose:14} {seconds:7.3} s  {a_segment:6.1} bytes a segment");
+    };
+    line("high", accel.report().seconds, accel.report().bytes as f64);
+    if let Some(embree) = &embree {
+        line("Embree high", embree.build_seconds, embree.bytes as f64);
+    }
+    if !settings.queries {
+        return;
+    }
+    let sets = rays::of_hairs(&accel, settings.side);
+    println!("  Mrays/s               ours      Embree high");
+    for threads in [Threads::One, Threads::All] {
+        for set in &sets {
+            let embrees = [embree.as_ref(), None];
+            measure(set, threads, &accel, embrees, name, settings, &mut Vec::new());
         }
     }
 }
 
 /// Times and memory of builds; returns ours of high quality.
-fn builds(scene: &Scene, library: Option<&'static Library>, settings: Settings) -> Accel {
+fn builds(
+    scene: &Scene,
+    library: Option<&'static Library>,
+    settings: Settings,
+    ratios: &mut Vec<[f64; 2]>,
+) -> Accel {
     let ours = |quality| {
         let accel = rays::accel_of(scene, quality);
         (accel.report().seconds, accel.report().bytes as f64)
@@ -131,6 +211,7 @@ fn builds(scene: &Scene, library: Option<&'static Library>, settings: Settings) 
             &mut || keep(theirs(Mode::High), &mut b3),
         ],
     );
+    ratios.push([seconds[0] / seconds[1], seconds[2] / seconds[3]]);
     let names = ["fast", "Embree medium", "high", "Embree high"];
     for ((name, bytes), seconds) in names.iter().zip([b0, b1, b2, b3]).zip(seconds) {
         if seconds.is_finite() {
@@ -201,6 +282,15 @@ fn count(set: &Rays, accel: &Accel) {
 
 #[cfg(not(feature = "count"))]
 fn count(_: &Rays, _: &Accel) {}
+
+fn summarise_builds(ratios: &[[f64; 2]]) {
+    for (i, kind) in ["fast against Embree medium", "high against Embree high"].into_iter().enumerate() {
+        let mean = ratios.iter().map(|r| r[i].ln()).sum::<f64>() / ratios.len() as f64;
+        if mean.is_finite() {
+            println!("\ntime of builds, {kind}: {:.3} in the geometric mean", mean.exp());
+        }
+    }
+}
 
 /// Geometric means and the smallest ratios.
 fn summarise(all: &[Ratio]) {

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use crate::build;
 use crate::bvh::{self, Bvh};
+use crate::curve::Capsules;
 use crate::geometry::Geometry;
 use crate::kind::{Item, Kind};
 use crate::math::{Affine, Bounds3, Vec3};
@@ -123,6 +124,8 @@ pub struct Accel {
     pub(crate) kinds: Vec<Kind>,
     /// What leaves of other primitives refer to.
     pub(crate) items: Vec<Item>,
+    /// One an item, where there are curves.
+    pub(crate) capsules: Capsules,
     pub(crate) bvh: Bvh,
     pub(crate) isa: Isa,
     /// One a geometry, or none where no mask was set.
@@ -141,11 +144,13 @@ impl Accel {
         let start = Instant::now();
         let mut census = build::census(&geometries)?;
         let bvh = build::build(&geometries, &mut census, options.quality)?;
-        let items: Vec<Item> = bvh.others.iter().map(|&i| census.items[i as usize]).collect();
+        let item = |&i: &u32| census.items.get(i as usize).copied().unwrap_or(Item::NONE);
+        let items: Vec<Item> = bvh.others.iter().map(item).collect();
         let kinds = census.kinds;
+        let capsules = Capsules::new(&items, &kinds);
         let report = BuildReport {
             nodes: bvh.nodes.len(),
-            bytes: bvh.bytes() + size_of_val(&*items) + size_of_val(&*kinds),
+            bytes: bvh.bytes() + size_of_val(&*items) + capsules.bytes() + size_of_val(&*kinds),
             seconds: start.elapsed().as_secs_f64(),
             ..census.report
         };
@@ -155,6 +160,7 @@ impl Accel {
             geometries,
             kinds,
             items,
+            capsules,
             bvh,
             isa: Isa::best(),
             masks: Vec::new(),

@@ -54,6 +54,12 @@
 //! enters, so meshes do not leak by themselves, but seams between instances may. Instances are enclosed safely for
 //! rays that start within about twice the extent of the scene.
 //!
+//! # Instruction sets
+//!
+//! The best that the machine has is used. `LICHTWEG_ISA` in the environment may name one of them, `portable`, `avx2` or
+//! `avx512`, before the first structure is built: for comparisons, and for tools that do not know the newest instructions. What the
+//! machine does not have is not taken. All of them answer alike.
+//!
 //! # Checking memory
 //!
 //! Under Miri queries run on the portable instructions, and rayon needs some leave:

@@ -49,6 +49,22 @@ impl<T: Copy> Pages<T> {
     }
 }
 
+/// Makes room for `more` elements, on large pages where it is large.
+pub(crate) fn reserve<T>(vec: &mut Vec<T>, more: usize) {
+    if vec.capacity() - vec.len() >= more {
+        return;
+    }
+    vec.reserve(more);
+    let room = vec.spare_capacity_mut();
+    let begin = room.as_mut_ptr().cast::<u8>();
+    let skipped = begin.align_offset(LARGE_PAGE);
+    if let Some(size) = size_of_val(room).checked_sub(skipped).filter(|&size| size >= LARGE_PAGE) {
+        let start = NonNull::new(begin.wrapping_add(skipped)).expect("not the null pointer");
+        let layout = Layout::from_size_align(size, 1).expect("part of an array");
+        advise_large_pages(start, layout);
+    }
+}
+
 impl<T: Copy> Drop for Pages<T> {
     fn drop(&mut self) {
         let layout = Self::layout(self.len);

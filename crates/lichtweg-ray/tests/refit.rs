@@ -7,7 +7,10 @@ mod random;
 use std::sync::Arc;
 
 use lichtweg_ray::math::{Affine, Vec3};
-use lichtweg_ray::{Accel, BuildQuality, Geometry, Quadric, QuadricShape, Ray, RefitError, TriangleMesh};
+use lichtweg_ray::{
+    Accel, BuildOptions, BuildQuality, Geometry, Instance, Quadric, QuadricShape, Ray, RefitError,
+    TriangleMesh,
+};
 use random::Random;
 
 /// Small triangles anywhere in a cube, on the odd places large ones.
@@ -83,6 +86,33 @@ fn triangles_vanish_and_come_back() {
     let error = without.refit(&[(0, mesh.positions.clone())]);
     assert_eq!(error, Err(RefitError::Appeared { geometry: 0, primitive: 0 }));
     assert_same_answers(&without, &build(&broken), &mut random);
+}
+
+/// Boxes of instances are wider by the rounding of rays, which grows with the scene.
+#[test]
+fn instances_are_seen_from_where_the_mesh_went() {
+    let mut random = Random(4);
+    let inner = Arc::new(Accel::build(vec![soup(&mut random, 200).into()], BuildOptions::default()).unwrap());
+    let to_world = Affine::translation(0.5, -0.25, 0.125).after(&Affine::rotation([1.0, 2.0, 3.0], 40.0));
+    let to_local = to_world.inverse().unwrap();
+    let near = TriangleMesh::new(vec![Vec3::X * 3.0, Vec3::Y * 3.0, Vec3::Z * 3.0], vec![[0, 1, 2]]);
+    let geometries = vec![near.clone().into(), Instance::new(inner.clone(), to_world).into()];
+    let mut accel = Accel::build(geometries, BuildQuality::Fast.into()).unwrap();
+    let far = 1e6;
+    accel.refit(&[(0, near.positions.iter().map(|&p| p * far).collect())]).unwrap();
+    let mut hits = 0;
+    for _ in 0..20_000 {
+        let target = to_world.point(random.direction() * 1.3);
+        let origin = random.direction() * far;
+        let ray = Ray::new(origin, target - origin);
+        let local = Ray::new(to_local.point(origin), to_local.vector(ray.direction));
+        let Some(want) = inner.closest(&local) else { continue };
+        // The mesh may stand before it.
+        let Some(hit) = accel.closest(&ray) else { panic!("{ray:?} misses, but {want:?}") };
+        assert!(hit.t == want.t || !hit.is_instanced(), "{ray:?}: {hit:?}, but {want:?}");
+        hits += usize::from(hit.is_instanced());
+    }
+    assert!(hits > 1000, "the rays must hit something");
 }
 
 #[test]

@@ -5,9 +5,10 @@ use std::ptr::null;
 use std::sync::atomic::{AtomicI64, Ordering};
 
 use libloading::Library;
-use lichtweg_ray::Ray;
+use lichtweg_ray::{CurveBasis, CurvePoint, Curves, Ray};
 
 use super::scenes::Scene;
+use super::scenes::curves::POINTS;
 
 /// RTCRayHit (with room to spare).
 #[derive(Clone, Copy, Default)]
@@ -57,6 +58,46 @@ pub enum Mode {
     Robust,
 }
 
+/// The arrays of a geometry, vertices with the padding that Embree demands.
+struct Source {
+    /// RTCGeometryType.
+    geometry: i32,
+    vertices: Vec<f32>,
+    /// Values a vertex.
+    vertex_width: usize,
+    indices: Vec<u32>,
+    /// Values a primitive.
+    index_width: usize,
+}
+
+impl Source {
+    fn triangles(scene: &Scene) -> Self {
+        let mut vertices: Vec<f32> = scene.positions.iter().flat_map(|p| p.to_array()).collect();
+        vertices.push(0.0);
+        Self { geometry: 0, vertices, vertex_width: 3, indices: scene.indices.concat(), index_width: 3 }
+    }
+
+    /// All curves of the same number of points.
+    fn round_curves(curves: &Curves) -> Self {
+        let point = |p: &CurvePoint| [p.position.x, p.position.y, p.position.z, p.radius];
+        let (order, step) = (curves.basis().order(), curves.basis().step());
+        let geometry = match curves.basis() {
+            CurveBasis::Linear => 16,
+            CurveBasis::Bezier => 24,
+            CurveBasis::BSpline => 32,
+        };
+        let firsts = (0..curves.points().len() as u32).step_by(POINTS);
+        let of_curve = |first: u32| (first..=first + (POINTS - order) as u32).step_by(step);
+        Self {
+            geometry,
+            vertices: curves.points().iter().flat_map(point).collect(),
+            vertex_width: 4,
+            indices: firsts.flat_map(of_curve).collect(),
+            index_width: 1,
+        }
+    }
+}
+
 /// A committed scene.
 pub struct Embree {
     scene: Handle,
@@ -68,9 +109,8 @@ pub struct Embree {
     pub build_seconds: f64,
     /// What the library holds after the build, the shared arrays not among it.
     pub bytes: i64,
-    // The vertex buffer with the padding that Embree demands; shared with the scene.
-    _positions: Vec<f32>,
-    _indices: Vec<[u32; 3]>,
+    // Shared with the scene.
+    _source: Source,
     // The library counts into it until the device is gone.
     _held: Box<AtomicI64>,
     _library: &'static Library,
@@ -89,13 +129,19 @@ impl Embree {
         }
     }
 
-    /// Builds a scene. `EMBREE_CONFIG` is handed on to the device.
+    /// Builds a scene of triangles. `EMBREE_CONFIG` is handed on to the device.
     pub fn build(library: &'static Library, scene: &Scene, mode: Mode) -> Self {
+        Self::commit(library, Source::triangles(scene), mode)
+    }
+
+    /// Builds a scene of round curves.
+    pub fn build_curves(library: &'static Library, curves: &Curves) -> Self {
+        Self::commit(library, Source::round_curves(curves), Mode::High)
+    }
+
+    fn commit(library: &'static Library, source: Source, mode: Mode) -> Self {
         let quality = if mode == Mode::High { 2 } else { 1 };
         let flags = if mode == Mode::Robust { 4 } else { 0 };
-        let mut positions: Vec<f32> = scene.positions.iter().flat_map(|p| p.to_array()).collect();
-        positions.push(0.0);
-        let indices = scene.indices.clone();
         let config = std::env::var("EMBREE_CONFIG").unwrap_or_default() + "\0";
         // SAFETY: names and signatures are those of rtcore.h; buffers live in the returned value.
         unsafe {
@@ -130,10 +176,14 @@ impl Embree {
             let s = new_scene(device);
             set_quality(s, quality);
             set_flags(s, flags);
-            let g = new_geometry(device, 0);
-            let points = positions.as_ptr().cast();
-            set_buffer(g, 1, 0, 0x9003, points, 0, 12, scene.positions.len());
-            set_buffer(g, 0, 0, 0x5003, indices.as_ptr().cast(), 0, 12, indices.len());
+            let g = new_geometry(device, source.geometry);
+            let Source { vertices, vertex_width, indices, index_width, .. } = &source;
+            let count = vertices.len() / vertex_width;
+            let format = 0x9000 + *vertex_width as i32;
+            set_buffer(g, 1, 0, format, vertices.as_ptr().cast(), 0, 4 * vertex_width, count);
+            let count = indices.len() / index_width;
+            let format = 0x5000 + *index_width as i32;
+            set_buffer(g, 0, 0, format, indices.as_ptr().cast(), 0, 4 * index_width, count);
             commit_geometry(g);
             attach(s, g);
             release_geometry(g);
@@ -150,8 +200,7 @@ impl Embree {
                 intersect: symbol(library, "rtcIntersect1"),
                 occluded: symbol(library, "rtcOccluded1"),
                 build_seconds,
-                _positions: positions,
-                _indices: indices,
+                _source: source,
                 _library: library,
             }
         }

@@ -3,7 +3,7 @@
 use lichtweg_ray::{Accel, BuildQuality, Geometry, Ray, TriangleMesh, math::Vec3};
 
 use super::random::Random;
-use super::scenes::Scene;
+use super::scenes::{Scene, curves};
 
 /// The rays of one kind.
 pub struct Rays {
@@ -23,6 +23,27 @@ pub fn accel_of(scene: &Scene, quality: BuildQuality) -> Accel {
     let mut geometries = vec![Geometry::Triangles(mesh)];
     geometries.extend(scene.balls.iter().map(|&b| b.into()));
     Accel::build(geometries, quality.into()).expect("a sound scene")
+}
+
+/// As [`sets`], of a ball of hairs whose normals the structure itself tells.
+pub fn of_hairs(accel: &Accel, side: u32) -> [Rays; 3] {
+    let mut random = Random(3);
+    let eye = curves::EYE;
+    let pixel = |i: u32, offset: f32| 4.0 * (i as f32 + offset) / side as f32 - 2.0;
+    let (mut primary, mut bounce, mut shadow) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..side * side {
+        let target = Vec3::new(pixel(k % side, random.unit()), -pixel(k / side, random.unit()), 0.0);
+        primary.push(Ray::new(eye, (target - eye).normalized()));
+    }
+    for ray in &primary {
+        let Some(hit) = accel.closest(ray) else { continue };
+        let (p, normal) = (ray.at(hit.t), accel.normal(ray, &hit).normalized());
+        let light = curves::LIGHT + random.direction();
+        bounce.push(Ray::new(p, random.cosine(normal)).between(1e-4 * hit.t, f32::INFINITY));
+        shadow.push(Ray::new(p, light - p).between(1e-4, 0.9999));
+    }
+    let set = |name, occlusion, rays| Rays { name, occlusion, rays };
+    [set("primary", false, primary), set("bounce", false, bounce), set("shadow", true, shadow)]
 }
 
 /// `side` squared primary rays in scanline order and, from what each of them hits, one cosine-distributed

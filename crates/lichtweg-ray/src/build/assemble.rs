@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use super::binning::Extent;
 use super::primitive::Census;
 use super::spatial::Knife;
-use super::tree::{Built, Part, TreeBuilder};
+use super::tree::{BlockNames, Built, Part, TreeBuilder};
 use crate::accel::{BuildError, BuildQuality};
 use crate::bvh::{Block, Bvh, ChildRef, Node, Numbering};
 use crate::geometry::Geometry;
+use crate::kind::Kind;
 use crate::memory::Pages;
 use crate::simd::WIDTH;
 
@@ -35,8 +36,8 @@ pub(crate) fn build(
         primitives.resize(count + (count as f32 * room) as usize, primitives[0]);
         let builder = TreeBuilder {
             geometries,
-            numbering: &census.numbering,
             mixed: !census.items.is_empty(),
+            others_at_once: others_at_once(&census.kinds),
             bins,
             knife: Knife::new(geometries, &extent),
         };
@@ -48,11 +49,17 @@ pub(crate) fn build(
         return Err(BuildError::TooLarge { primitives: count });
     }
     let numbering = std::mem::take(&mut census.numbering);
-    Ok(plan.assemble(root, numbering, census.bounds.reach()))
+    Ok(plan.assemble(root, geometries, numbering, census.bounds.reach()))
 }
 
 /// Splits through triangles add at most this share to the references.
 const ROOM: f32 = 0.2;
+
+/// Pieces of curves are rejected eight at a time, all else is asked one by one.
+fn others_at_once(kinds: &[Kind]) -> u32 {
+    let quick = |kind: &Kind| matches!(kind, Kind::Triangles | Kind::Curves(_));
+    if kinds.iter().all(quick) { WIDTH as u32 } else { 1 }
+}
 
 fn upper_nodes(built: &Built) -> usize {
     match built {
@@ -107,47 +114,61 @@ impl Layout {
         }
     }
 
-    fn assemble(mut self, root: ChildRef, numbering: Numbering, reach: f32) -> Bvh {
+    fn assemble(mut self, root: ChildRef, geometries: &[Geometry], numbering: Numbering, reach: f32) -> Bvh {
         self.parts.par_iter_mut().for_each(|(at, part)| {
             for child in part.nodes.iter_mut().flat_map(|n| &mut n.children) {
                 *child = child.shifted(at.nodes, at.blocks, at.others);
             }
         });
+        let fill = |names: &BlockNames| block(names, geometries, &numbering);
         Bvh {
             root,
-            nodes: joined(&self.upper, &self.parts, |p| &p.nodes),
-            blocks: joined(&[Block::EMPTY], &self.parts, |p| &p.blocks),
-            others: joined(&[], &self.parts, |p| &p.others),
+            nodes: joined(&self.upper, &self.parts, |p| &p.nodes, |node| *node),
+            blocks: joined(&[Block::EMPTY], &self.parts, |p| &p.blocks, fill),
+            others: joined(&[], &self.parts, |p| &p.others, |other| *other),
             numbering,
             reach,
         }
     }
 }
 
-/// `first` and the parts' arrays, one after the other, copied by several threads.
-fn joined<T: Copy + Send + Sync>(
+/// The triangles of a block.
+#[inline(always)]
+fn block(names: &BlockNames, geometries: &[Geometry], numbering: &Numbering) -> Block {
+    let mut out = Block::EMPTY;
+    for (lane, &(geometry, primitive)) in names.names[..names.count].iter().enumerate() {
+        if let Geometry::Triangles(mesh) = &geometries[geometry as usize] {
+            out.set(lane, mesh.corners(primitive), numbering.number(geometry, primitive));
+        }
+    }
+    out
+}
+
+/// `first` and what becomes of the parts' arrays, one after the other, made by several threads.
+fn joined<T: Copy + Send + Sync, U: Sync>(
     first: &[T],
     parts: &[(Cursor, Part)],
-    array: impl Fn(&Part) -> &Vec<T> + Sync,
+    array: impl Fn(&Part) -> &Vec<U> + Sync,
+    make: impl Fn(&U) -> T + Sync,
 ) -> Pages<T> {
     let len = first.len() + parts.iter().map(|(_, p)| array(p).len()).sum::<usize>();
     let fill = |out: &mut [MaybeUninit<T>]| {
         let (head, mut rest) = out.split_at_mut(first.len());
-        copy(head, first);
+        for (to, from) in head.iter_mut().zip(first) {
+            to.write(*from);
+        }
         let mut jobs = Vec::with_capacity(parts.len());
         for (_, part) in parts {
             let (to, tail) = rest.split_at_mut(array(part).len());
             jobs.push((to, array(part)));
             rest = tail;
         }
-        jobs.into_par_iter().for_each(|(to, from)| copy(to, from));
+        jobs.into_par_iter().for_each(|(to, from)| {
+            for (to, from) in to.iter_mut().zip(from) {
+                to.write(make(from));
+            }
+        });
     };
     // SAFETY: the pieces that are written add up to the whole.
     unsafe { Pages::filled(len, fill) }
-}
-
-fn copy<T: Copy>(to: &mut [MaybeUninit<T>], from: &[T]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        to.write(*from);
-    }
 }

@@ -8,10 +8,12 @@
 //!
 //! Subtrees become leaves where that is cheaper, so that pieces of one triangle may meet again.
 
-use super::tree::{Part, TreeBuilder};
-use crate::bvh::{Block, ChildRef, Node};
-use crate::geometry::Geometry;
+use super::tree::{BlockNames, Part};
+use crate::bvh::{ChildRef, Node};
 use crate::simd::{QuadBox, WIDTH};
+
+/// What fills a gap between leaves of others.
+const NO_OTHER: u32 = u32::MAX;
 
 /// Cost of visiting a node, in units of testing a block.
 const NODE_COST: f32 = 0.5;
@@ -46,34 +48,37 @@ struct Best {
 }
 
 /// The wide tree of a part.
-pub(crate) fn collapse(builder: &TreeBuilder, binary: &mut Binary) -> (Part, ChildRef) {
+pub(crate) fn collapse(binary: &mut Binary, others_at_once: u32) -> (Part, ChildRef) {
     let mut best = vec![Best { cost: [0.0; WIDTH - 1], left: [0; WIDTH], is_leaf: true }; binary.nodes.len()];
     for (i, node) in binary.nodes.iter().enumerate().rev() {
         best[i] = if node.right == 0 {
-            Best { cost: [leaf_cost(node); WIDTH - 1], ..best[i] }
+            Best { cost: [leaf_cost(node, others_at_once); WIDTH - 1], ..best[i] }
         } else {
-            cheapest(node, &best[i + 1].cost, &best[node.right as usize].cost)
+            let children = [&best[i + 1].cost, &best[node.right as usize].cost];
+            cheapest(node, leaf_cost(node, others_at_once), children)
         };
     }
     // Most leaves keep their block.
     let blocks = Vec::with_capacity(binary.nodes.len() / 2 + 1);
     let part = Part { blocks, ..Part::default() };
-    let mut emission = Emission { builder, binary, best: &best, part };
+    let mut emission = Emission { others_at_once, binary, best: &best, part };
     let root = emission.child(0);
+    emission.fill_up(0);
     (emission.part, root)
 }
 
 /// Infinite where the references do not fit into one leaf.
-fn leaf_cost(node: &BinaryNode) -> f32 {
-    let items = match node.others {
+fn leaf_cost(node: &BinaryNode, others_at_once: u32) -> f32 {
+    let most = ChildRef::MAX_ITEMS as u32;
+    let tests = match node.others {
         0 => node.count.div_ceil(WIDTH as u32),
-        others if others == node.count => others,
+        others if others == node.count && others <= most => others.div_ceil(others_at_once),
         _ => u32::MAX,
     };
-    if items <= ChildRef::MAX_ITEMS as u32 { node.bounds.half_area() * items as f32 } else { f32::INFINITY }
+    if tests <= most { node.bounds.half_area() * tests as f32 } else { f32::INFINITY }
 }
 
-fn cheapest(node: &BinaryNode, left: &[f32; WIDTH - 1], right: &[f32; WIDTH - 1]) -> Best {
+fn cheapest(node: &BinaryNode, leaf: f32, [left, right]: [&[f32; WIDTH - 1]; 2]) -> Best {
     let mut best = Best { cost: [0.0; WIDTH - 1], left: [0; WIDTH], is_leaf: false };
     // D(n, i + 1) and the share of the left child.
     let divided = |i: usize| {
@@ -85,7 +90,6 @@ fn cheapest(node: &BinaryNode, left: &[f32; WIDTH - 1], right: &[f32; WIDTH - 1]
     let (cost, share) = divided(WIDTH - 1);
     best.left[WIDTH - 1] = share;
     let inner = cost + NODE_COST * node.bounds.half_area();
-    let leaf = leaf_cost(node);
     best.is_leaf = leaf <= inner;
     best.cost[0] = leaf.min(inner);
     for i in 1..WIDTH - 1 {
@@ -100,7 +104,7 @@ fn cheapest(node: &BinaryNode, left: &[f32; WIDTH - 1], right: &[f32; WIDTH - 1]
 }
 
 struct Emission<'a> {
-    builder: &'a TreeBuilder<'a>,
+    others_at_once: u32,
     binary: &'a mut Binary,
     best: &'a [Best],
     part: Part,
@@ -140,31 +144,40 @@ impl Emission<'_> {
         }
     }
 
+    /// Begins another row of eight others, where the last one has no room for some more; what is tested at once lies in one.
+    fn fill_up(&mut self, more: usize) {
+        let (row, others) = (self.others_at_once as usize, &mut self.part.others);
+        let used = others.len() % row;
+        if used != 0 && (more == 0 || used + more > row) && row > 1 {
+            others.resize(others.len() + row - used, NO_OTHER);
+        }
+    }
+
     fn leaf(&mut self, n: usize) -> ChildRef {
         let BinaryNode { first, count, others, .. } = self.binary.nodes[n];
         let range = first as usize..(first + count) as usize;
-        let names = &mut self.binary.names[range];
+        let names = &mut self.binary.names[range.clone()];
         names.sort_unstable();
         if others != 0 {
+            let needed = names.len();
+            self.fill_up(needed);
             let first = self.part.others.len();
+            let names = &self.binary.names[range];
             self.part.others.extend(names.iter().map(|(_, primitive)| primitive));
             return ChildRef::others(first, names.len());
         }
-        let (first, mut lane) = (self.part.blocks.len(), WIDTH);
-        for (i, &(geometry, primitive)) in names.iter().enumerate() {
-            if i > 0 && names[i - 1] == names[i] {
+        let first = self.part.blocks.len();
+        self.part.blocks.push(BlockNames::NONE);
+        for (i, &name) in names.iter().enumerate() {
+            if i > 0 && names[i - 1] == name {
                 continue;
             }
-            if lane == WIDTH {
-                self.part.blocks.push(Block::EMPTY);
-                lane = 0;
+            if self.part.blocks.last().is_none_or(|block| block.count == WIDTH) {
+                self.part.blocks.push(BlockNames::NONE);
             }
-            if let (Geometry::Triangles(mesh), Some(block)) =
-                (&self.builder.geometries[geometry as usize], self.part.blocks.last_mut())
-            {
-                let id = self.builder.numbering.number(geometry, primitive);
-                block.set(lane, mesh.corners(primitive), id);
-                lane += 1;
+            if let Some(block) = self.part.blocks.last_mut() {
+                block.names[block.count] = name;
+                block.count += 1;
             }
         }
         ChildRef::triangles(first, self.part.blocks.len() - first)

@@ -3,6 +3,8 @@
 //! A triangle's box is 3 * 2^-23 of its largest extent wider than exact, and one step of rounding: see
 //! `bvh::slab` for what this is needed for.
 
+use std::mem::MaybeUninit;
+
 use rayon::prelude::*;
 
 use crate::accel::{BuildError, BuildReport};
@@ -10,6 +12,7 @@ use crate::bvh::Numbering;
 use crate::geometry::{Geometry, TriangleMesh};
 use crate::kind::{Item, Kind, in_range};
 use crate::math::{Bounds3, Vec3};
+use crate::memory;
 use crate::simd::{Quad, QuadBox};
 
 /// Largest absolute coordinate that cannot overflow in a query: 2^40.
@@ -91,7 +94,8 @@ impl Default for Census {
 
 /// What one task made of its triangles.
 struct Chunk {
-    primitives: Vec<Primitive>,
+    /// How many primitives it has written.
+    count: usize,
     bounds: Bounds3,
     dropped_degenerate: usize,
     dropped_non_finite: usize,
@@ -103,6 +107,8 @@ pub(crate) fn census(geometries: &[Geometry]) -> Result<Census, BuildError> {
     let numbering = Numbering::new(counts())
         .ok_or_else(|| BuildError::TooLarge { primitives: counts().fold(0, usize::saturating_add) })?;
     let mut all = Census { numbering, ..Census::default() };
+    let triangles = geometries.iter().filter(|g| matches!(g, Geometry::Triangles(_)));
+    memory::reserve(&mut all.primitives, triangles.map(Geometry::primitives).sum());
     for (geometry, g) in (0..).zip(geometries) {
         let kind = Kind::prepare(geometry, g)?;
         if let Geometry::Triangles(mesh) = g {
@@ -148,30 +154,43 @@ fn add_items(all: &mut Census, geometry: u32, kind: &Kind) -> usize {
 }
 
 fn add_triangles(all: &mut Census, geometry: u32, mesh: &TriangleMesh) -> Result<(), BuildError> {
+    let (begin, count) = (all.primitives.len(), mesh.indices.len());
+    memory::reserve(&mut all.primitives, count);
+    let room = &mut all.primitives.spare_capacity_mut()[..count];
     let chunks: Vec<Chunk> = mesh
         .indices
         .par_chunks(CHUNK)
+        .zip(room.par_chunks_mut(CHUNK))
         .enumerate()
-        .map(|(i, indices)| list(geometry, mesh, (i * CHUNK) as u32, indices))
+        .map(|(i, (indices, out))| list(geometry, mesh, (i * CHUNK) as u32, indices, out))
         .collect::<Result<_, _>>()?;
-    all.primitives.reserve(chunks.iter().map(|c| c.primitives.len()).sum());
-    for chunk in chunks {
+    // What was left out leaves gaps.
+    let mut end = 0;
+    for (i, chunk) in chunks.iter().enumerate() {
+        let start = i * CHUNK;
+        if start != end {
+            room.copy_within(start..start + chunk.count, end);
+        }
+        end += chunk.count;
         all.bounds = all.bounds.union(chunk.bounds);
-        all.report.triangles += chunk.primitives.len();
+        all.report.triangles += chunk.count;
         all.report.dropped_degenerate += chunk.dropped_degenerate;
         all.report.dropped_non_finite += chunk.dropped_non_finite;
-        all.primitives.extend_from_slice(&chunk.primitives);
     }
+    // SAFETY: the chunks have written as many as they say, and these were moved together.
+    unsafe { all.primitives.set_len(begin + end) };
     Ok(())
 }
 
-fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) -> Result<Chunk, BuildError> {
-    let mut chunk = Chunk {
-        primitives: Vec::with_capacity(indices.len()),
-        bounds: Bounds3::EMPTY,
-        dropped_degenerate: 0,
-        dropped_non_finite: 0,
-    };
+/// Writes the primitives of some triangles into the first places of `out`.
+fn list(
+    geometry: u32,
+    mesh: &TriangleMesh,
+    first: u32,
+    indices: &[[u32; 3]],
+    out: &mut [MaybeUninit<Primitive>],
+) -> Result<Chunk, BuildError> {
+    let mut chunk = Chunk { count: 0, bounds: Bounds3::EMPTY, dropped_degenerate: 0, dropped_non_finite: 0 };
     for (primitive, index) in (first..).zip(indices) {
         let mut corners = [Vec3::ZERO; 3];
         for (corner, &i) in corners.iter_mut().zip(index) {
@@ -189,7 +208,8 @@ fn list(geometry: u32, mesh: &TriangleMesh, first: u32, indices: &[[u32; 3]]) ->
         } else {
             let exact = Bounds3::of(corners);
             chunk.bounds = chunk.bounds.union(exact);
-            chunk.primitives.push(Primitive::new(padded(exact), geometry, primitive));
+            out[chunk.count].write(Primitive::new(padded(exact), geometry, primitive));
+            chunk.count += 1;
         }
     }
     Ok(chunk)

@@ -185,7 +185,7 @@ impl<'a> Knife<'a> {
 
     /// Whether it is likely enough that another split is cheaper than this one.
     pub(crate) fn may_pay(&self, split: &Split) -> bool {
-        split.overlap > self.overlap
+        split.overlap() > self.overlap
     }
 
     /// What can be cut.

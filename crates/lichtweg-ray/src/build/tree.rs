@@ -10,7 +10,7 @@ use super::binning::{Extent, Split, find_split, partition};
 use super::collapse::{Binary, BinaryNode, collapse};
 use super::primitive::Primitive;
 use super::spatial::{Knife, SpatialSplit};
-use crate::bvh::{Block, ChildRef, MAX_DEPTH, Node, Numbering};
+use crate::bvh::{ChildRef, MAX_DEPTH, Node};
 use crate::geometry::Geometry;
 use crate::math::Bounds3;
 use crate::simd::WIDTH;
@@ -24,8 +24,20 @@ const HALVING_DEPTH: usize = MAX_DEPTH - 20;
 #[derive(Default)]
 pub(crate) struct Part {
     pub nodes: Vec<Node>,
-    pub blocks: Vec<Block>,
+    /// Blocks are not filled before they have their final place.
+    pub blocks: Vec<BlockNames>,
     pub others: Vec<u32>,
+}
+
+/// What is to be in a block: geometry and primitive of each lane, in order, as far as there are some.
+#[derive(Clone, Copy)]
+pub(crate) struct BlockNames {
+    pub names: [(u32, u32); WIDTH],
+    pub count: usize,
+}
+
+impl BlockNames {
+    pub(crate) const NONE: Self = Self { names: [(0, 0); WIDTH], count: 0 };
 }
 
 /// A subtree.
@@ -67,9 +79,10 @@ impl<'a> Range<'a> {
 /// What is the same for the whole build.
 pub(crate) struct TreeBuilder<'a> {
     pub geometries: &'a [Geometry],
-    pub numbering: &'a Numbering,
     /// Whether there are primitives other than triangles.
     pub mixed: bool,
+    /// How many of the others are tested at once: eight where all are pieces of curves.
+    pub others_at_once: u32,
     /// Bins an axis for splits between references, at most.
     pub bins: usize,
     /// Cuts triangles, as far as there is room for their pieces.
@@ -87,7 +100,7 @@ impl TreeBuilder<'_> {
         if range.count <= TASK {
             let mut binary = Binary::default();
             self.grow(range, depth, &mut binary);
-            let (part, root) = collapse(self, &mut binary);
+            let (part, root) = collapse(&mut binary, self.others_at_once);
             return Built::Part { part, root };
         }
         let children = self.open(range, depth);
@@ -151,13 +164,13 @@ impl TreeBuilder<'_> {
         if is_small && others != 0 && others != count {
             return Some(Plan::Kinds);
         }
-        if count == 1 || is_small && others == 0 {
+        let block = if others == count { self.others_at_once } else { WIDTH as u32 };
+        if count <= block as usize && (others == 0 || others == count) {
             return None;
         }
         if depth >= HALVING_DEPTH {
             return Some(Plan::Halve);
         }
-        let block = if others == count { 1 } else { WIDTH as u32 };
         let Some(split) = find_split(range.references(), &range.extent, block, self.bins) else {
             return Some(Plan::Halve);
         };

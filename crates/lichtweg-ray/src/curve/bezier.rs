@@ -13,6 +13,7 @@ pub(crate) type Point4 = [f64; 4];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bezier(pub [Point4; 4]);
 
+#[inline(always)]
 fn combine<const N: usize>(points: [&Point4; N], weights: [f64; N]) -> Point4 {
     std::array::from_fn(|i| {
         let mut sum = 0.0;
@@ -25,6 +26,7 @@ fn combine<const N: usize>(points: [&Point4; N], weights: [f64; N]) -> Point4 {
 
 impl Bezier {
     /// A segment of `curves`, each control point mapped by `map` first.
+    #[inline]
     pub(crate) fn new(curves: &Curves, segment: u32, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         let control = curves.control(segment);
         let point = |i: usize| {

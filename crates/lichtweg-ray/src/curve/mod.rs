@@ -13,9 +13,11 @@
 //! * [`CurveStyle::Ribbon`]: a band of triangles about the axis, turned by normals that are interpolated on the
 //!   sphere (pbrt's `ribbon`, but intersected as the surface that it is).
 //!
-//! The arithmetic is `f64` in a frame about the ray.
+//! Hits are computed in `f64` in a frame about the ray, after a look in `f32` at what lies near it, eight chords at a time,
+//! which leaves out nothing that could be hit.
 
 mod bezier;
+mod capsule;
 mod flat;
 mod intersect;
 mod pieces;
@@ -31,6 +33,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::math::Vec3;
+pub(crate) use capsule::{Capsule, Capsules, CurveRay};
 use pieces::Cut;
 pub(crate) use pieces::{Piece, Unusable, pieces};
 pub(crate) use ray_space::RaySpace;

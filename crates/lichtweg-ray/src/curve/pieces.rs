@@ -5,6 +5,7 @@
 //! it is cut into up to eight pieces, as long as the sum of their areas falls well (pbrt does the same by a fixed count).
 
 use super::bezier::{Bezier, Point4};
+use super::capsule::Capsule;
 use super::{CurvePoint, CurveStyle, Curves, ribbon};
 use crate::build::MAX_COORDINATE;
 use crate::math::{Bounds3, Vec3};
@@ -107,13 +108,17 @@ impl Piece {
         (u32::from(self.index) * own, own, all)
     }
 
-    /// Exact bounds of the balls about the ends of the chords, rounded outwards; all styles are within.
-    pub(crate) fn bounds(self, curves: &Curves) -> Bounds3 {
+    /// The points at the ends of the chords.
+    fn vertices(self, curves: &Curves) -> impl Iterator<Item = Point4> + Clone {
         let cubic = Bezier::new(curves, self.segment, |p| p);
         let (first, own, all) = self.chords();
+        (first..=first + own).map(move |vertex| cubic.at(f64::from(vertex) / f64::from(all)))
+    }
+
+    /// Exact bounds of the balls about the ends of the chords, rounded outwards; all styles are within.
+    pub(crate) fn bounds(self, curves: &Curves) -> Bounds3 {
         let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for vertex in first..=first + own {
-            let p: Point4 = cubic.at(f64::from(vertex) / f64::from(all));
+        for p in self.vertices(curves) {
             for axis in 0..3 {
                 lo[axis] = lo[axis].min(p[axis] - p[3]);
                 hi[axis] = hi[axis].max(p[axis] + p[3]);
@@ -124,6 +129,27 @@ impl Piece {
             max: Vec3::from_array(hi.map(|x| (x as f32).next_up())),
         }
     }
+
+    /// A capsule around the same balls.
+    pub(crate) fn capsule(self, curves: &Curves) -> Capsule {
+        let vertices = self.vertices(curves);
+        let end = |p: Option<Point4>| p.map_or([0.0; 3], |[x, y, z, _]| [x as f32, y as f32, z as f32]);
+        let ends = [end(vertices.clone().next()), end(vertices.clone().last())];
+        let [a, b] = ends.map(|end| end.map(f64::from));
+        let radius = vertices.fold(0.0_f64, |r, [x, y, z, own]| r.max(distance([x, y, z], a, b) + own));
+        Capsule { ends, radius: (radius as f32).next_up() }
+    }
+}
+
+/// The distance of a point from the line between two others.
+fn distance(p: [f64; 3], a: [f64; 3], b: [f64; 3]) -> f64 {
+    let difference = |p: [f64; 3], q: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| p[i] - q[i]) };
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let (line, to_p) = (difference(b, a), difference(p, a));
+    let length2 = dot(line, line);
+    let s = if length2 > 0.0 { (dot(line, to_p) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    let apart: [f64; 3] = std::array::from_fn(|i| to_p[i] - s * line[i]);
+    dot(apart, apart).sqrt()
 }
 
 /// The pieces of a segment, in order.

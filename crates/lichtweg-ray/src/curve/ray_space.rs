@@ -51,6 +51,16 @@ impl RaySpace {
         std::array::from_fn(|i| v[i] + self.origin[i])
     }
 
+    /// The axes of the frame in the world; the last is the ray's direction.
+    pub(crate) fn axes(&self) -> &[[f64; 3]; 3] {
+        &self.axes
+    }
+
+    /// The distance along the ray of a parameter.
+    pub(crate) fn distance(&self, t: f32) -> f32 {
+        (f64::from(t) / self.inverse_length) as f32
+    }
+
     /// The ray parameter of a distance along the ray.
     #[inline(always)]
     pub(crate) fn parameter(&self, z: f64) -> f32 {

@@ -11,6 +11,7 @@ use super::ray_space::RaySpace;
 use super::{CurveBasis, CurveError, CurvePoint, CurveStyle, Curves, ribbon, round};
 use crate::Ray;
 use crate::math::Vec3;
+use crate::simd::Isa;
 
 /// Points of a curve that distances are taken to.
 const DENSE: usize = 1500;
@@ -57,7 +58,7 @@ fn closest(curves: &Curves, ray: &Ray) -> Option<(u32, CurveHit)> {
     for segment in 0..curves.segment_count() as u32 {
         for piece in pieces(curves, segment).unwrap() {
             let bounds = piece.bounds(curves);
-            let hit = curves.intersect(piece, &space, ray.tnear, ray.tfar);
+            let hit = curves.intersect(Isa::best(), piece, &space, ray.tnear, ray.tfar);
             if let Some(h) = hit {
                 let slack = Vec3::splat(1e-5);
                 let (p, lo, hi) = (ray.at(h.t), bounds.min - slack, bounds.max + slack);

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::{Candidate, Probe};
+use super::Candidate;
 use crate::accel::BuildReport;
-use crate::curve::{Curves, Piece, RaySpace, Unusable, pieces};
+use crate::curve::{Capsule, Curves, Piece, RaySpace, Unusable, pieces};
 use crate::math::{Bounds3, Vec3};
 use crate::ray::{Hit, Ray};
+use crate::simd::Isa;
 
 /// Curves and their pieces.
 #[derive(Debug)]
@@ -35,6 +36,10 @@ impl PreparedCurves {
         self.pieces.par_iter().map(|piece| piece.bounds(&self.curves)).collect()
     }
 
+    pub(crate) fn capsule(&self, item: u32) -> Capsule {
+        self.pieces[item as usize].capsule(&self.curves)
+    }
+
     pub(crate) fn count(&self, report: &mut BuildReport) {
         let dropped = self.dropped_degenerate + self.dropped_non_finite;
         report.curve_segments += self.curves.segment_count() - dropped;
@@ -44,9 +49,16 @@ impl PreparedCurves {
 
     /// The nearest hit of a piece; its v waits for [`PreparedCurves::completed`].
     #[inline]
-    pub(crate) fn intersect(&self, item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
+    pub(crate) fn intersect(
+        &self,
+        item: u32,
+        isa: Isa,
+        space: &RaySpace,
+        tnear: f32,
+        tfar: f32,
+    ) -> Option<Candidate> {
         let piece = self.pieces[item as usize];
-        let hit = self.curves.intersect(piece, &RaySpace::new(probe.ray), tnear, tfar)?;
+        let hit = self.curves.intersect(isa, piece, space, tnear, tfar)?;
         Some(Candidate { t: hit.t, u: hit.u, v: 0.0, primitive: piece.segment })
     }
 

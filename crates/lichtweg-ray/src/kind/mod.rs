@@ -30,6 +30,7 @@ pub use user::{UserHit, UserPrimitives};
 use crate::accel::{Accel, BuildError, BuildReport};
 use crate::build::MAX_COORDINATE;
 use crate::bvh::ChildRef;
+use crate::curve::CurveRay;
 use crate::geometry::Geometry;
 use crate::math::{Bounds3, Vec3};
 use crate::ray::{Accept, Hit, Ray, unit_time};
@@ -76,6 +77,11 @@ pub(crate) struct Candidate {
     pub u: f32,
     pub v: f32,
     pub primitive: u32,
+}
+
+impl Item {
+    /// What fills gaps between leaves.
+    pub(crate) const NONE: Self = Self { geometry: u32::MAX, index: u32::MAX };
 }
 
 impl Kind {
@@ -127,7 +133,14 @@ impl Kind {
 
     /// The nearest hit of an item with `tnear < t <= tfar`.
     #[inline]
-    fn intersect(&self, item: u32, probe: &Probe, tnear: f32, tfar: f32) -> Option<Candidate> {
+    fn intersect(
+        &self,
+        item: u32,
+        probe: &Probe,
+        curve_ray: Option<&CurveRay>,
+        tnear: f32,
+        tfar: f32,
+    ) -> Option<Candidate> {
         match self {
             Self::Triangles | Self::Instance(_) => None,
             Self::MovingTriangles(mesh) => mesh.intersect(item, &probe.shear, probe.ray.time, tnear, tfar),
@@ -137,7 +150,7 @@ impl Kind {
                 let t = quadric.intersect(probe.ray, tnear, tfar)?;
                 Some(Candidate { t, u: 0.0, v: 0.0, primitive: 0 })
             }
-            Self::Curves(curves) => curves.intersect(item, probe, tnear, tfar),
+            Self::Curves(curves) => curves.intersect(item, probe.isa, &curve_ray?.space, tnear, tfar),
         }
     }
 
@@ -168,12 +181,14 @@ impl Kind {
 }
 
 /// The nearest hit among the items of a leaf with `t <= tfar` that is let count, and its running number; of equally
-/// near ones that of the lowest number. With `ANY` an arbitrary one. Not yet [`Kind::completed`].
+/// near ones that of the lowest number. With `ANY` an arbitrary one. Not yet [`Kind::completed`]. `curve_ray` keeps what
+/// leaves with curves want to know of the ray from one to the next.
 #[inline(never)]
 pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     accel: &Accel,
     leaf: ChildRef,
     probe: &Probe,
+    curve_ray: &mut Option<CurveRay>,
     mut tfar: f32,
     accept: Option<Accept>,
 ) -> Option<(Hit, u32)> {
@@ -182,7 +197,14 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     let probe = Probe { ray: &ray, ..*probe };
     let mut best: Option<(Hit, u32)> = None;
     let (begin, count) = leaf.leaf();
-    for &item in &accel.items[begin..begin + count] {
+    let mut near = (1_u32 << count) - 1;
+    if !accel.capsules.is_empty() {
+        let curve_ray = curve_ray.get_or_insert_with(|| CurveRay::new(&ray));
+        near = accel.capsules.near(probe.isa, begin, count, curve_ray, tfar);
+    }
+    while near != 0 {
+        let item = accel.items[begin + near.trailing_zeros() as usize];
+        near &= near - 1;
         if FILTERED && !accel.is_seen(ray.mask, item.geometry) {
             continue;
         }
@@ -192,7 +214,8 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
             Kind::Instance(instance) => {
                 instance.nearest::<ANY>(probe.isa, item.geometry, &ray, tfar, accept).map(|hit| (hit, 0))
             }
-            _ => nearest_of::<FILTERED>(kind, item, &probe, tfar, accept).map(|hit| (hit, hit.primitive)),
+            _ => nearest_of::<FILTERED>(kind, item, &probe, curve_ray.as_ref(), tfar, accept)
+                .map(|hit| (hit, hit.primitive)),
         };
         let Some((hit, primitive)) = nearest else { continue };
         let id = accel.bvh.numbering.number(item.geometry, primitive);
@@ -213,12 +236,13 @@ fn nearest_of<const FILTERED: bool>(
     kind: &Kind,
     item: Item,
     probe: &Probe,
+    curve_ray: Option<&CurveRay>,
     tfar: f32,
     accept: Option<Accept>,
 ) -> Option<Hit> {
     let mut tnear = probe.ray.tnear;
     loop {
-        let Candidate { t, u, v, primitive } = kind.intersect(item.index, probe, tnear, tfar)?;
+        let Candidate { t, u, v, primitive } = kind.intersect(item.index, probe, curve_ray, tnear, tfar)?;
         let hit = Hit::plain(t, u, v, item.geometry, primitive);
         match accept {
             Some(accept) if FILTERED && !accept(&kind.completed(probe.ray, hit)) => tnear = t,

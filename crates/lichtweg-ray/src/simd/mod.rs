@@ -57,10 +57,25 @@ impl Isa {
         all
     }
 
-    /// The best that this machine can run.
+    /// The best that this machine can run, or the one that `LICHTWEG_ISA` names, if the machine has it.
     pub(crate) fn best() -> Self {
         static BEST: OnceLock<Isa> = OnceLock::new();
-        *BEST.get_or_init(|| *Self::available().last().expect("the portable set is always there"))
+        *BEST.get_or_init(|| Self::chosen(&Self::available(), std::env::var("LICHTWEG_ISA").ok().as_deref()))
+    }
+
+    fn chosen(available: &[Self], name: Option<&str>) -> Self {
+        let named = available.iter().find(|isa| name == Some(isa.name()));
+        *named.or(available.last()).expect("the portable set is always there")
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => "avx512",
+        }
     }
 }
 
@@ -136,3 +151,19 @@ pub(crate) trait Lanes: Copy {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct Aligned8(pub [f32; WIDTH]);
+
+#[cfg(test)]
+mod tests {
+    use super::Isa;
+
+    #[test]
+    fn an_instruction_set_can_be_chosen() {
+        let available = Isa::available();
+        for &isa in &available {
+            assert_eq!(Isa::chosen(&available, Some(isa.name())), isa);
+        }
+        let best = *available.last().unwrap();
+        assert_eq!(Isa::chosen(&available, None), best);
+        assert_eq!(Isa::chosen(&available, Some("nonsense")), best);
+    }
+}

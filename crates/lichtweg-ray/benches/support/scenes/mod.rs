@@ -1,5 +1,6 @@
 //! Scenes to shoot rays at.
 
+pub mod curves;
 pub mod files;
 pub mod stadium;
 
