@@ -88,7 +88,8 @@ fn write_answer(
         work.push(format!("{} matrix entries used", count(answer.operations)));
     }
     work.push(seconds(answer.seconds));
-    writeln!(out, "  {:9}{}", "work", work.join(", "))?;
+    let shared = if answer.shared > 1 { format!(" (shared by {})", answer.shared) } else { String::new() };
+    writeln!(out, "  {:9}{}{shared}", "work", work.join(", "))?;
     for warning in &answer.warnings {
         writeln!(out, "  {:9}{warning}", "warning")?;
     }
@@ -148,6 +149,7 @@ fn json(name: &str, answer: &Answer) -> Value {
         "steps": answer.steps,
         "matrix_entries_used": answer.operations,
         "seconds": answer.seconds,
+        "shared_by": answer.shared,
         "warnings": answer.warnings,
         "neumann": answer.by_length,
     })

@@ -54,11 +54,26 @@ pub enum Refusal {
     NoCertificate,
     /// The deterministic solver did not converge.
     #[error(
-        "the deterministic solver came to a relative residual of {residual:.1e} only: the system is singular or nearly so"
+        "the deterministic solver came to a relative residual of {residual:.1e} only: the system is singular or nearly so, or \
+         too hard for a Krylov method; --method direct factorises it"
     )]
     NotSolved {
         /// The residual it came to.
         residual: f64,
+    },
+    /// The program was built without a sparse factorisation.
+    #[error(
+        "this program was built without a sparse factorisation (cargo build --release --features faer); --method deterministic \
+         solves by Krylov iterations"
+    )]
+    NoFactorisation,
+    /// Factors that do not fit.
+    #[error(
+        "factors of this matrix have about {entries:.1e} entries, which is more than fits; --method deterministic needs no factors"
+    )]
+    TooMuchFill {
+        /// Entries of the factors.
+        entries: f64,
     },
     /// A parameter makes no sense.
     #[error("{0}")]

@@ -178,19 +178,29 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// States where walks are created.
-    pub(super) fn starts(&self) -> impl Iterator<Item = usize> + '_ {
-        self.start.states()
+    /// What a visit of state `i` scores.
+    pub(super) fn score_of(&self, i: usize) -> f64 {
+        self.score[i]
     }
 
-    /// Whether a visit of state `i` scores.
-    pub(super) fn scores(&self, i: usize) -> bool {
-        self.score[i] != 0.0
+    /// Whether walks can come to a state that scores at all.
+    pub(super) fn reaches_a_score(&self) -> bool {
+        self.reachable().iter().zip(self.score.iter()).any(|(&seen, &score)| seen && score != 0.0)
     }
 
-    /// Where a walk can go from state `i`.
-    pub(super) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<'_> {
-        self.kernel.row(i).iter().map(|(j, _)| j)
+    /// States that walks can come to.
+    pub(super) fn reachable(&self) -> Vec<bool> {
+        let mut seen = vec![false; self.score.len()];
+        let mut waiting: Vec<usize> = self.start.states().collect();
+        waiting.iter().for_each(|&i| seen[i] = true);
+        while let Some(i) = waiting.pop() {
+            for (j, _) in self.kernel.row(i).iter() {
+                if !std::mem::replace(&mut seen[j], true) {
+                    waiting.push(j);
+                }
+            }
+        }
+        seen
     }
 
     /// The kernel to walk on.

@@ -72,6 +72,8 @@ impl Summary {
 pub(crate) struct Linear {
     pub matrix: Matrix,
     pub right_side: Vec<f64>,
+    /// Whether it was split by its diagonal.
+    pub by_diagonal: bool,
 }
 
 /// Why numbers do not make a system.
@@ -147,7 +149,8 @@ impl System {
         check_vector("right side", right_side, matrix)?;
         let (split, source) = splitting.split(matrix, right_side)?;
         let mut system = Self::fixed_point(split, source)?;
-        system.linear = Some(Linear { matrix: matrix.clone(), right_side: right_side.to_vec() });
+        let by_diagonal = matches!(splitting, Splitting::Jacobi { .. });
+        system.linear = Some(Linear { matrix: matrix.clone(), right_side: right_side.to_vec(), by_diagonal });
         Ok(system)
     }
 
