@@ -141,10 +141,10 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
 fn solve(system: &System, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
     let options = Options {
         method: args.method,
-        // Patches that no light reaches are never known relatively.
+        // Dark patches are not worth a relative tolerance.
         goal: Goal {
             relative: args.tolerance,
-            absolute: 1e-3 * args.tolerance * largest(system),
+            absolute: 1e-2 * args.tolerance * largest(system),
             confidence: 0.95,
         },
         seed: args.seed,

@@ -111,6 +111,9 @@ pub fn spectral_radius(matrix: &Matrix, scale: Option<&[f64]>, products: usize) 
     radius
 }
 
+/// Largest element of A^k 1 that makes a certificate: error bounds grow as one over what it lacks to one.
+const GOOD: f64 = 0.9;
+
 /// Products to guess a radius by, where it is known to be below 1.
 const GUESS: usize = 32;
 
@@ -148,7 +151,9 @@ fn iterate(matrix: &Matrix, scale: Option<&[f64]>, first: Vec<f64>, products: us
         radius.high = radius.high.min(high);
         std::mem::swap(&mut power, &mut next);
         largest = largest.max(top);
-        if top < 1.0 {
+        // A bound that is barely below one is worth little: some more products make it a good one.
+        let last = radius.products + 1 >= products;
+        if top < GOOD || (top < 1.0 && last && !radius.chained) {
             let scale = 1.0 / sum.par_iter().copied().reduce(|| 0.0, f64::max);
             let weights = sum.par_iter().map(|sum| sum * scale).collect();
             radius.certificate = Some(Certificate { weights: Some(weights), contraction: high });

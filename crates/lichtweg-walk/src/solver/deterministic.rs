@@ -1,11 +1,16 @@
 //! No walks: a solver for the whole vector, of which any numbers are read off.
 
+use std::borrow::Cow;
+
 use super::{Answer, Entries, Evidence, Method, Refusal, Solver};
+use crate::Matrix;
 use crate::krylov::{self, Solution};
 use crate::stopping::Goal;
 
 /// Relative residual where no error bound says when to stop.
 const UNBOUNDED: f64 = 1e-10;
+/// Residual about as small as rounding allows.
+const SMALL: f64 = 1e-13;
 /// Residual that is not a solution.
 const FAILED: f64 = 1e-6;
 /// Products of the Krylov solvers, at most.
@@ -16,26 +21,19 @@ impl Solver<'_> {
     /// residual. One solution serves all targets.
     pub(super) fn deterministic(&self, targets: &[Entries], goal: &Goal) -> Result<Vec<Answer>, Refusal> {
         let system = self.system;
-        let own;
-        let (a, b) = match system.as_linear() {
-            Some(linear) => (&linear.matrix, &linear.right_side[..]),
-            None => {
-                own = krylov::one_minus(system.matrix());
-                (&own, system.source())
-            }
-        };
+        let (a, b) = self.as_linear();
         let proven = self.proof.converges(system);
         let mut tolerance = if proven { (0.1 * goal.relative).clamp(1e-13, 1e-2) } else { UNBOUNDED };
         let (mut guess, mut products) = (None, 0);
         loop {
-            let mut found = krylov::solve(a, b, guess.take(), tolerance, PRODUCTS);
-            if proven && found.residual > tolerance {
+            let mut found = krylov::solve(&a, b, guess.take(), tolerance, PRODUCTS);
+            if proven && found.residual > tolerance.max(SMALL) {
                 found = krylov::fixed_point(system.matrix(), system.source(), found.x, tolerance, PRODUCTS);
             }
             products += found.products;
             let answers = self.read_off(Method::Deterministic, targets, goal, &found);
             let good = answers.iter().all(|answer| answer.reached);
-            if !good && found.residual <= tolerance && tolerance > 1e-14 {
+            if !good && found.residual <= tolerance && tolerance > SMALL {
                 tolerance *= 0.01;
                 guess = Some(found.x);
                 continue;
@@ -57,23 +55,16 @@ impl Solver<'_> {
     /// A sparse factorisation.
     #[cfg(feature = "faer")]
     pub(super) fn direct(&self, targets: &[Entries], goal: &Goal) -> Result<Vec<Answer>, Refusal> {
-        use crate::direct::{Factors, MOST_FILL, fill};
+        use crate::direct::{Factors, MOST_FILL};
         let system = self.system;
-        let own;
-        let (a, b) = match system.as_linear() {
-            Some(linear) => (&linear.matrix, &linear.right_side[..]),
-            None => {
-                own = krylov::one_minus(system.matrix());
-                (&own, system.source())
-            }
-        };
+        let (a, b) = self.as_linear();
         let failed = Refusal::NotSolved { residual: f64::INFINITY };
-        let entries = fill(a).ok_or(failed.clone())?.entries;
+        let entries = self.fill().ok_or(failed.clone())?.entries;
         if entries > MOST_FILL {
             return Err(Refusal::TooMuchFill { entries });
         }
-        let factors = Factors::new(a).ok_or(failed)?;
-        let found = krylov::finish(a, b, factors.solve(b), 0, factors.method);
+        let factors = Factors::new(&a).ok_or(failed)?;
+        let found = krylov::finish(&a, b, factors.solve(b), 0, factors.method);
         if found.residual > FAILED {
             return Err(Refusal::NotSolved { residual: found.residual });
         }
@@ -81,6 +72,20 @@ impl Solver<'_> {
         let answers = self.read_off(Method::Direct, targets, goal, &found);
         let why = format!("as asked for: {}", found.method);
         Ok(with_vector(answers, found, &why, 0))
+    }
+
+    /// What factors would take; `None` where that cannot be found out.
+    #[cfg(feature = "faer")]
+    pub(super) fn fill(&self) -> Option<crate::direct::Fill> {
+        *self.fill.get_or_init(|| crate::direct::fill(&self.as_linear().0))
+    }
+
+    /// A x = b: as it was given, or I - M and the source vector.
+    fn as_linear(&self) -> (Cow<'_, Matrix>, &[f64]) {
+        match self.system.as_linear() {
+            Some(linear) => (Cow::Borrowed(&linear.matrix), &linear.right_side[..]),
+            None => (Cow::Owned(krylov::one_minus(self.system.matrix())), self.system.source()),
+        }
     }
 
     /// The numbers of a solution, with their errors where these can be bounded.

@@ -101,6 +101,9 @@ pub struct Solver<'a> {
     /// Along rows, along columns.
     kept: [Kept; 2],
     source_start: OnceLock<Option<Start>>,
+    /// What factors would take.
+    #[cfg(feature = "faer")]
+    fill: OnceLock<Option<crate::direct::Fill>>,
 }
 
 /// What walks in a direction need again and again.
@@ -116,7 +119,14 @@ impl<'a> Solver<'a> {
     /// For a system.
     #[must_use]
     pub fn new(system: &'a System) -> Self {
-        Self { system, proof: Proof::default(), kept: Default::default(), source_start: OnceLock::new() }
+        Self {
+            system,
+            proof: Proof::default(),
+            kept: Default::default(),
+            source_start: OnceLock::new(),
+            #[cfg(feature = "faer")]
+            fill: OnceLock::new(),
+        }
     }
 
     /// The system.

@@ -16,13 +16,19 @@ use crate::push::Push;
 use crate::stopping::{FEWEST, Goal, Interval, walks_needed};
 use crate::walk::Tally;
 
-/// Nanoseconds of a transition where rows come from the cache, and where they do not.
-const NEAR_STEP: f64 = 27.0;
-const FAR_STEP: f64 = 80.0;
+/// Nanoseconds of a transition: where all fits into the cache, where walks stay near their start in a large system, and
+/// where they go all over it and miss the cache each time.
+const CACHED_STEP: f64 = 25.0;
+const NEAR_STEP: f64 = 40.0;
+const FAR_STEP: f64 = 100.0;
+/// Entries of a large system.
+const LARGE: usize = 1 << 18;
+/// Transitions after which a walk is far from its start.
+const LONG: f64 = 200.0;
 /// Nanoseconds to create a walk.
 const CREATION: f64 = 40.0;
 /// Nanoseconds for each entry that is pushed.
-const PUSHED: f64 = 6.0;
+const PUSHED: f64 = 7.0;
 /// Nanoseconds for each state that was met to begin walks from what was left there.
 const LEFT: f64 = 10.0;
 /// Nanoseconds for each entry of a matrix in a product, and for each unknown of a Krylov step.
@@ -30,6 +36,10 @@ const PRODUCT_ENTRY: f64 = 1.0;
 const KRYLOV_UNKNOWN: f64 = 10.0;
 /// Nanoseconds for each entry to make the transpose.
 const TRANSPOSED: f64 = 12.0;
+/// Nanoseconds of a factorisation: to order it, for each entry of the matrix; for each entry of the factors; for each
+/// multiplication.
+#[cfg(feature = "faer")]
+const FACTORS: (f64, f64, f64) = (500.0, 10.0, 0.3);
 /// Operations of the first stage of pushing.
 const FIRST_STAGE: u64 = 1 << 15;
 /// Steps that pilots may take, about: before the first stage, and later.
@@ -56,7 +66,7 @@ impl Solver<'_> {
     /// that serves all; those that are left share it.
     pub(super) fn plan(&self, targets: &[Entries], options: &Options) -> Result<Vec<Answer>, Refusal> {
         self.check_convergence()?;
-        let shared = self.shared_cost(targets, options)?;
+        let mut shared = self.shared_cost(targets, options)?;
         let share = shared.cheapest() / targets.len() as f64;
         if share < FIRST_PILOT * NEAR_STEP {
             let answers = timed(|| self.solve_shared(targets, &shared, options))?;
@@ -76,6 +86,10 @@ impl Solver<'_> {
                 left.push(at);
             }
             answers.push((planned, began.elapsed().as_secs_f64()));
+        }
+        // Looked into late, since that takes time itself.
+        if !left.is_empty() {
+            shared.direct = self.direct_cost(alone.min(shared.cheapest()));
         }
         let rest: Vec<Entries> = left.iter().map(|&at| targets[at].clone()).collect();
         let mut found = if rest.is_empty() {
@@ -108,8 +122,10 @@ impl Solver<'_> {
         shared: &Shared,
         options: &Options,
     ) -> Result<Vec<Answer>, Refusal> {
-        let mut answers = if shared.forward < shared.deterministic {
+        let mut answers = if shared.forward < shared.deterministic.min(shared.direct) {
             self.forward(targets, options)?
+        } else if shared.direct < shared.deterministic {
+            self.direct(targets, &options.goal)?
         } else {
             self.deterministic(targets, &options.goal)?
         };
@@ -304,10 +320,11 @@ impl Solver<'_> {
     fn shared_cost(&self, targets: &[Entries], options: &Options) -> Result<Shared, Refusal> {
         let count = targets.len();
         // Where no rate of convergence is proven, walks know how long they are.
-        let known = self.proof.columns_contract(self.system) || self.radius().certificate.is_some();
+        let known = self.radius().certificate.is_some() || self.proof.columns_contract(self.system);
         let length = if known { 0.0 } else { self.length_of_walks(&targets[0], options)? };
         let deterministic = self.deterministic_cost(&options.goal, length);
-        let mut shared = Shared { deterministic, forward: f64::INFINITY, count };
+        let (direct, forward) = (f64::INFINITY, f64::INFINITY);
+        let mut shared = Shared { deterministic, direct, forward, count };
         let making = self.making_columns();
         if count == 1 || !can_share(options) || making > shared.deterministic {
             return Ok(shared);
@@ -330,10 +347,33 @@ impl Solver<'_> {
         if self.system.has_transposed() { 0.0 } else { TRANSPOSED * self.system.matrix().entries() as f64 }
     }
 
-    /// Nanoseconds of a walk like those of a pilot. Walks that start all over a large system miss the cache at each transition.
+    /// Nanoseconds of a walk like those of a pilot.
     fn nanoseconds_of_walk(&self, forward: bool, pilot: &Tally) -> f64 {
-        let far = forward && self.system.matrix().entries() > 1 << 18;
-        CREATION + if far { FAR_STEP } else { NEAR_STEP } * pilot.steps_per_walk()
+        let length = pilot.steps_per_walk();
+        let step = match self.system.matrix().entries() > LARGE {
+            false => CACHED_STEP,
+            true if forward || length > LONG => FAR_STEP,
+            true => NEAR_STEP,
+        };
+        CREATION + step * length
+    }
+
+    /// Nanoseconds of a factorisation, where it could pay to find them out.
+    #[cfg(feature = "faer")]
+    fn direct_cost(&self, rival: f64) -> f64 {
+        let (ordering, entry, multiplication) = FACTORS;
+        let ordering = ordering * self.system.matrix().entries() as f64;
+        if 4.0 * ordering > rival {
+            return f64::INFINITY;
+        }
+        let fits = self.fill().filter(|fill| fill.entries <= crate::direct::MOST_FILL);
+        fits.map_or(f64::INFINITY, |fill| ordering + entry * fill.entries + multiplication * fill.operations)
+    }
+
+    /// There is none.
+    #[cfg(not(feature = "faer"))]
+    fn direct_cost(&self, _: f64) -> f64 {
+        f64::INFINITY
     }
 
     /// Transitions of a walk from a target, about.
@@ -365,6 +405,8 @@ impl Solver<'_> {
 #[derive(Clone, Copy, Debug)]
 struct Shared {
     deterministic: f64,
+    /// A factorisation; never, where it was not looked into.
+    direct: f64,
     /// One set of forward walks; never, for one functional.
     forward: f64,
     /// Functionals.
@@ -373,7 +415,7 @@ struct Shared {
 
 impl Shared {
     fn cheapest(&self) -> f64 {
-        self.deterministic.min(self.forward)
+        self.deterministic.min(self.direct).min(self.forward)
     }
 
     /// Why a method was taken that serves all, where walks for one of them would take `alone`.
@@ -384,6 +426,11 @@ impl Shared {
             Method::Forward => format!(
                 "walks{for_each} would take about {alone}, one set of forward walks for all about {}",
                 time(self.forward)
+            ),
+            Method::Direct => format!(
+                "walks{for_each} would take about {alone}, a factorisation about {}, Krylov iterations about {}",
+                time(self.direct),
+                time(self.deterministic)
             ),
             _ => format!(
                 "walks{for_each} would take about {alone}, a deterministic solver about {}",
