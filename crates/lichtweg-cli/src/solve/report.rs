@@ -39,7 +39,8 @@ pub fn print(
     }
     if answers.iter().any(|answer| answer.walks > 0) {
         let radius = solver.radius();
-        let proven = if radius.high < 1.0 { format!("<= {:.6}", radius.high) } else { "< 1".to_owned() };
+        let proven =
+            if radius.high < 1.0 - 5e-7 { format!("<= {:.6}", radius.high) } else { "< 1".to_owned() };
         writeln!(out, "  {:9}rho(|M|) {proven}: walks converge", "proof")?;
     }
     Ok(())

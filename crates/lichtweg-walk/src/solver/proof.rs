@@ -14,7 +14,7 @@
 
 use std::sync::OnceLock;
 
-use crate::convergence::{Certificate, Radius, spectral_radius};
+use crate::convergence::{CONTRACTS, Certificate, Radius, spectral_radius};
 use crate::{Matrix, System};
 
 /// Entries of matrices that may be used to find out whether walks converge.
@@ -35,7 +35,7 @@ pub(super) struct Proof {
 impl Proof {
     /// Whether the rows of |M| sum to less than one.
     pub fn rows_contract(&self, system: &System) -> bool {
-        system.row_mass().1 < 1.0
+        system.row_mass().1 < CONTRACTS
     }
 
     /// Whether the columns of |M| sum to less than one.
@@ -46,14 +46,14 @@ impl Proof {
                 system.matrix().row(i).iter().for_each(|(j, value)| sums[j] += value.abs());
             }
             crate::vector::largest(&sums)
-        }) < 1.0
+        }) < CONTRACTS
     }
 
     /// rho(|M|), by rows.
     pub fn rows(&self, system: &System) -> &Radius {
         self.rows.get_or_init(|| {
             let (low, high) = system.row_mass();
-            if high < 1.0 {
+            if self.rows_contract(system) {
                 // The norm was summed up when the system was made.
                 let certificate = Some(Certificate { weights: None, contraction: high });
                 return Radius { low, high, estimate: high, products: 0, chained: false, certificate };

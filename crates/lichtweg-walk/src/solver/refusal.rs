@@ -133,6 +133,6 @@ fn block_size_that_helps(a: &Matrix, b: &[f64]) -> Option<(usize, f64)> {
     [2, 4, 8, 16, 32].into_iter().find_map(|size| {
         let system = System::linear(a, b, Splitting::BlockJacobi { size, damping: 1.0 }).ok()?;
         let radius = spectral_radius(system.matrix(), None, 200);
-        (radius.high < 1.0).then_some((size, radius.high))
+        radius.is_below_one().then_some((size, radius.high))
     })
 }

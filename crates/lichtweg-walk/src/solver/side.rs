@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Options, Refusal, Solver, refusal, start};
 use crate::Matrix;
-use crate::convergence::{Radius, spectral_radius};
+use crate::convergence::{CONTRACTS, Radius, spectral_radius};
 use crate::push::Push;
 use crate::walk::{Ending, Kernel, Prepared, Score, Selection, Start, Walker};
 
@@ -157,7 +157,7 @@ impl<'a> Side<'a> {
         let start = Cow::Owned(self.start.scaled(d).ok_or_else(overflow)?);
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
         let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
-        let contraction = (largest < 1.0).then_some(largest);
+        let contraction = (largest < CONTRACTS).then_some(largest);
         Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction })
     }
 

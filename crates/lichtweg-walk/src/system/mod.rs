@@ -17,6 +17,7 @@ mod splitting;
 use std::sync::OnceLock;
 
 use crate::Matrix;
+use crate::convergence::CONTRACTS;
 
 pub use splitting::Splitting;
 
@@ -197,7 +198,7 @@ impl System {
     /// A lower bound of all x_i where neither M nor b has a negative element: x >= min b + min mass * min x.
     pub(crate) fn smallest_solution(&self) -> f64 {
         let Summary { row_mass, nonnegative, smallest_source, .. } = self.summary;
-        if nonnegative && row_mass.0 < 1.0 { smallest_source / (1.0 - row_mass.0) } else { 0.0 }
+        if nonnegative && row_mass.0 < CONTRACTS { smallest_source / (1.0 - row_mass.0) } else { 0.0 }
     }
 
     /// Whether M^T is at hand.
