@@ -2,6 +2,7 @@
 //! looked at. The bridge between the renderer and `lichtweg solve`.
 
 mod patches;
+mod quadric;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RadiosityArgs {
-    /// Scene file (.xml, .pbrt, .pbrt.gz) or builtin:NAME, of triangles
+    /// Scene file (.xml, .pbrt, .pbrt.gz) or builtin:NAME, lit by its own surfaces
     #[arg(value_parser = location_parser())]
     scene: SceneLocation,
 
@@ -96,6 +97,9 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
     let Some(scene) = Scene::compile(&description, &mut loader.diagnostics) else {
         return Err(loader.fail());
     };
+    if !description.instances.is_empty() {
+        return Err(Failure::Failed("radiosity knows no instances: place the shapes themselves".to_owned()));
+    }
     let (width, height) = (description.film.width, description.film.height);
     let camera = Camera::compile(&description.camera, width, height, &mut loader.diagnostics);
     let Some(camera) = camera else { return Err(loader.fail()) };
@@ -104,7 +108,7 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
     let bounds = scene.bounds();
     let diagonal = (bounds.max - bounds.min).length_squared().sqrt();
     let patches = Patches::new(&scene, args.patch * diagonal).map_err(Failure::Failed)?;
-    let form_factors = console.stage("form factors", || patches.form_factors(&scene, args.rays, args.seed));
+    let form_factors = console.stage("form factors", || patches.form_factors(args.rays, args.seed));
     console.say(&format!(
         "{} patches, {} form factors",
         count(patches.len() as u64),
@@ -137,24 +141,20 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
 fn solve(system: &System, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
     let options = Options {
         method: args.method,
-        // Patches that no light reaches are never known relatively.
+        // Dark patches are not worth a relative tolerance.
         goal: Goal {
             relative: args.tolerance,
-            absolute: 1e-3 * args.tolerance * largest(system),
+            absolute: 1e-2 * args.tolerance * largest(system),
             confidence: 0.95,
         },
         seed: args.seed,
         ..Options::default()
     };
-    let solver = Solver::new(system);
-    let one = |i| {
-        solver.solve(&Functional::Unknown(i), &options).map_err(|error| Failure::Failed(error.to_string()))
-    };
-    let first = one(0)?;
-    match first.x {
-        Some(x) => Ok(x),
-        None => (0..system.unknowns()).map(|i| Ok(one(i)?.value)).collect(),
-    }
+    let all: Vec<Functional> = (0..system.unknowns()).map(Functional::Unknown).collect();
+    let answers =
+        Solver::new(system).solve_each(&all, &options).map_err(|error| Failure::Failed(error.to_string()))?;
+    let found = answers.iter().find_map(|answer| answer.x.clone());
+    Ok(found.unwrap_or_else(|| answers.iter().map(|answer| answer.value).collect()))
 }
 
 fn largest(system: &System) -> f64 {

@@ -176,9 +176,8 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
                  --method sequential does it by walks",
             );
         }
-        if !matches!(options.method, Method::Deterministic | Method::Sequential) {
-            let message =
-                "--all needs --method deterministic or sequential: the others find one number at a time";
+        if !matches!(options.method, Method::Deterministic | Method::Direct | Method::Sequential) {
+            let message = "--all needs --method deterministic, direct or sequential: the others find one number at a time";
             return Err(Failure::Usage(message.to_owned()));
         }
     }
@@ -189,7 +188,7 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
     if let Some(path) = &args.write {
         let Some(x) = answers.iter().find_map(|answer| answer.x.as_ref()) else {
             return Err(Failure::Failed(
-                "this method did not find all unknowns: take --all, or --method deterministic or sequential"
+                "this method did not find all unknowns: take --all, or --method deterministic, direct or sequential"
                     .into(),
             ));
         };

@@ -1,30 +1,73 @@
 //! Sparse factorisation by `faer`: Cholesky where the matrix is symmetric and positive definite, LU elsewhere.
 
 use faer::Side;
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::linalg::amd;
+use faer::sparse::{SparseColMat, SymbolicSparseColMatRef, Triplet};
 
 use crate::Matrix;
-use crate::krylov::Solution;
-use crate::vector::{length, update};
 
-/// Solves A x = b; `None` where the factorisation fails.
+/// Entries of a factor that are too many: 4 GiB.
+pub const MOST_FILL: f64 = 5e8;
+
+/// What factors of a symmetric matrix would take.
+#[derive(Clone, Copy, Debug)]
+pub struct Fill {
+    /// Entries of the factor.
+    pub entries: f64,
+    /// Multiplications to find it.
+    pub operations: f64,
+}
+
+/// Counts fill and work of a Cholesky factorisation in the order of approximate minimum degree (Amestoy, Davis, Duff 1996),
+/// for the pattern of A + A^T; without pivoting, LU takes twice as much. `None` without memory to find out.
 #[must_use]
-pub fn solve(a: &Matrix, b: &[f64]) -> Option<Solution> {
+pub fn fill(a: &Matrix) -> Option<Fill> {
     let n = a.rows();
-    let triplets: Vec<_> = a.triplets().map(|(i, j, value)| Triplet::new(i, j, value)).collect();
-    let sparse = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets).ok()?;
-    drop(triplets);
-    let right = faer::Col::from_fn(n, |i| b[i]);
-    let symmetric = a.is_symmetric() && a.diagonal().iter().all(|&d| d > 0.0);
-    let cholesky = if symmetric { sparse.sp_cholesky(Side::Lower).ok() } else { None };
-    let (x, method) = match cholesky {
-        Some(factors) => (factors.solve(&right), "sparse Cholesky"),
-        None => (sparse.sp_lu().ok()?.solve(&right), "sparse LU"),
-    };
-    let x: Vec<f64> = x.iter().copied().collect();
-    let mut left = a.multiply(&x);
-    update(&mut left, b, |ax, b| b - ax);
-    let residual = length(&left) / length(b);
-    residual.is_finite().then_some(Solution { x, residual, products: 1, method })
+    let mut starts = vec![0];
+    let mut indices = Vec::with_capacity(a.entries());
+    for i in 0..n {
+        indices.extend(a.row(i).indices.iter().map(|&j| j as usize));
+        starts.push(indices.len());
+    }
+    let pattern = SymbolicSparseColMatRef::<'_, usize>::new_checked(n, n, &starts, None, &indices);
+    let mut memory = MemBuffer::try_new(amd::order_scratch::<usize>(n, indices.len())).ok()?;
+    let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+    let stack = MemStack::new(&mut memory);
+    let count = amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), stack).ok()?;
+    Some(Fill { entries: count.n_div + n as f64, operations: count.n_mult_subs_ldl })
+}
+
+/// A matrix in factors.
+pub struct Factors {
+    solve: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    /// Which factors.
+    pub method: &'static str,
+}
+
+impl Factors {
+    /// Factors of A; `None` where there are none.
+    #[must_use]
+    pub fn new(a: &Matrix) -> Option<Self> {
+        let n = a.rows();
+        let triplets: Vec<_> = a.triplets().map(|(i, j, value)| Triplet::new(i, j, value)).collect();
+        let sparse = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets).ok()?;
+        drop(triplets);
+        let column = |b: &[f64]| faer::Col::from_fn(b.len(), |i| b[i]);
+        let symmetric = a.is_symmetric() && a.diagonal().iter().all(|&d| d > 0.0);
+        if symmetric && let Ok(factors) = sparse.sp_cholesky(Side::Lower) {
+            let solve = move |b: &[f64]| factors.solve(column(b)).iter().copied().collect();
+            return Some(Self { solve: Box::new(solve), method: "sparse Cholesky" });
+        }
+        let factors = sparse.sp_lu().ok()?;
+        let solve = move |b: &[f64]| factors.solve(column(b)).iter().copied().collect();
+        Some(Self { solve: Box::new(solve), method: "sparse LU" })
+    }
+
+    /// x of A x = b; not finite where A is singular.
+    #[must_use]
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        (self.solve)(b)
+    }
 }

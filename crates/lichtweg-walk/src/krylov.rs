@@ -44,7 +44,8 @@ pub fn solve(a: &Matrix, b: &[f64], guess: Option<Vec<f64>>, tolerance: f64, pro
     finish(a, b, x, used + more, "BiCGSTAB")
 }
 
-fn finish(a: &Matrix, b: &[f64], x: Vec<f64>, products: usize, method: &'static str) -> Solution {
+/// A solution with its residual, which is infinite where it is not finite.
+pub(crate) fn finish(a: &Matrix, b: &[f64], x: Vec<f64>, products: usize, method: &'static str) -> Solution {
     let mut left = a.multiply(&x);
     update(&mut left, b, |ax, b| b - ax);
     let residual = length(&left) / length(b);

@@ -86,6 +86,12 @@ impl<'a> Push<'a> {
         self.operations
     }
 
+    /// States that were met.
+    #[must_use]
+    pub(crate) fn met(&self) -> usize {
+        self.touched.len()
+    }
+
     /// States pushed.
     #[must_use]
     pub fn pushes(&self) -> u64 {
@@ -98,14 +104,16 @@ impl<'a> Push<'a> {
         self.touched().map(|i| self.estimate(i) * r[i]).sum()
     }
 
-    /// One round at half the threshold of the last, or until `operations` are spent; false where nothing is left to
-    /// push.
+    /// One round at half the threshold of the last, until `operations` are spent; false where nothing is left to push. A
+    /// round that was cut short is taken up again first.
     pub fn round(&mut self, operations: u64) -> bool {
-        self.threshold *= 0.5;
-        for at in 0..self.touched.len() {
-            self.offer(self.touched[at] as usize);
+        if self.waiting.is_empty() {
+            self.threshold *= 0.5;
+            for at in 0..self.touched.len() {
+                self.offer(self.touched[at] as usize);
+            }
+            self.operations += self.touched.len() as u64 / 4;
         }
-        self.operations += self.touched.len() as u64 / 4;
         let limit = self.operations.saturating_add(operations);
         while let Some(i) = self.waiting.pop_front() {
             let i = i as usize;
@@ -120,8 +128,6 @@ impl<'a> Push<'a> {
             self.operations += 4 + self.kernel.row_len(i) as u64;
             self.pushes += 1;
             if self.operations > limit {
-                self.waiting.iter().for_each(|&j| self.states[j as usize][MARK] = MET);
-                self.waiting.clear();
                 return true;
             }
         }

@@ -62,7 +62,7 @@ pub fn solve(
         let mut y = out.x.clone();
         update(&mut y, &residual, |y, f| y + f);
         let rough = system.residual(&y);
-        let start = Start::by(rough.iter().copied().enumerate()).map_err(|_| WalkError::Overflow)?;
+        let start = Start::by(rough.iter().copied().enumerate())?;
         if let Some(start) = start {
             let seed = combine(seed, u64::from(out.stages));
             out.steps += stage(&kernel, &start, seed, walks, &mut y)?;

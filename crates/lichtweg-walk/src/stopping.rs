@@ -98,43 +98,55 @@ const HOPELESS: u64 = 1 << 24;
 /// The share of alpha that each look spends of what is left.
 const SPENT: f64 = 0.8;
 
-/// Walks until `offset + mean` is known as well as `goal` says, or `most_steps` are made. `walk(first, count)` walks.
+/// Walks until `offset + mean` is known as well as `goal` says for each tally, or `most_steps` are made. `walk(first, count)`
+/// walks, and gives as many tallies as the pilot has: one, or one for each functional that the walks score for together.
 ///
 /// # Errors
 /// Those of the walks.
 pub fn estimate(
-    pilot: &Tally,
+    pilot: &[Tally],
     offset: f64,
     goal: &Goal,
     interval: Interval,
     most_steps: u64,
-    walk: impl Fn(u64, u64) -> Result<Tally, WalkError>,
-) -> Result<Estimate, WalkError> {
+    walk: impl Fn(u64, u64) -> Result<Vec<Tally>, WalkError>,
+) -> Result<Vec<Estimate>, WalkError> {
     let mut left = (1.0 - goal.confidence).max(1e-300);
-    let mut tally = Tally::default();
-    let mut looks = 0;
-    let per_walk = 1.0 + pilot.steps_per_walk();
+    let mut tallies = vec![Tally::default(); pilot.len()];
+    let (mut looks, mut walked) = (0, 0);
+    let per_walk = 1.0 + pilot.first().map_or(0.0, Tally::steps_per_walk);
     let most = ((most_steps as f64 / per_walk) as u64).max(FEWEST);
-    let needed = walks_needed(pilot, offset, goal, interval, SPENT * left);
-    // A pilot that cannot tell the value from zero cannot tell a relative goal either.
-    let vague = (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
-    let mut wanted = if vague { needed.min(VAGUE) } else { needed }.clamp(FEWEST, most);
+    let first = |pilot: &Tally| {
+        let needed = walks_needed(pilot, offset, goal, interval, SPENT * left);
+        // A pilot that cannot tell the value from zero cannot tell a relative goal either.
+        let vague = (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
+        if vague { needed.min(VAGUE) } else { needed }
+    };
+    let mut wanted = pilot.iter().map(first).max().unwrap_or(0).clamp(FEWEST, most);
     loop {
-        let count = wanted - tally.moments.count();
-        tally.merge(&walk(tally.moments.count(), count)?);
+        let more = walk(walked, wanted - walked)?;
+        tallies.iter_mut().zip(&more).for_each(|(tally, more)| tally.merge(more));
+        walked = wanted;
         looks += 1;
         // Where none of very many walks scored, more of them are no use.
-        let last = wanted >= most || (tally.nonzero == 0 && wanted >= HOPELESS);
+        let hopeless = wanted >= HOPELESS && tallies.iter().any(|tally| tally.nonzero == 0);
+        let last = wanted >= most || hopeless;
         let alpha = if last { left } else { SPENT * left };
         left -= alpha;
-        let half_width = interval.half_width(&tally.moments, alpha);
-        let believed = is_believed(&tally, interval);
-        let reached = half_width <= goal.half_width(offset + tally.moments.mean());
-        if last || (reached && believed) {
-            return Ok(Estimate { tally, half_width, reached: reached && believed, believed, looks });
+        let judge = |tally: &Tally| {
+            let half_width = interval.half_width(&tally.moments, alpha);
+            let believed = is_believed(tally, interval);
+            let reached = believed && half_width <= goal.half_width(offset + tally.moments.mean());
+            Estimate { tally: tally.clone(), half_width, reached, believed, looks }
+        };
+        let found: Vec<Estimate> = tallies.iter().map(judge).collect();
+        if last || found.iter().all(|estimate| estimate.reached) {
+            return Ok(found);
         }
-        let needed = walks_needed(&tally, offset, goal, interval, SPENT * left);
-        wanted = needed.clamp(wanted.saturating_add(wanted / 2), wanted.saturating_mul(16)).min(most);
+        let unfinished = found.iter().filter(|estimate| !estimate.reached);
+        let needed = unfinished.map(|e| walks_needed(&e.tally, offset, goal, interval, SPENT * left)).max();
+        let growth = wanted.saturating_add(wanted / 2)..=wanted.saturating_mul(16);
+        wanted = needed.unwrap_or(0).clamp(*growth.start(), *growth.end()).min(most);
     }
 }
 

@@ -14,6 +14,11 @@ fn options(method: Method, relative: f64) -> Options {
     Options { method, goal: Goal { relative, absolute: 0.0, confidence: 0.95 }, ..Options::default() }
 }
 
+/// All methods that this build has, and the planner.
+fn methods() -> Vec<Method> {
+    [&[Method::Auto][..], &Method::ALL].concat().into_iter().filter(|method| method.is_available()).collect()
+}
+
 /// Of a fixed number of walks: 1,000 intervals at 95 % cover 93 to 97 %.
 #[test]
 fn intervals_cover_at_their_level() {
@@ -48,7 +53,7 @@ fn stopping_early_keeps_the_level() {
     let exact = solution(&m, &b)[11];
     let system = System::fixed_point(m, b).unwrap();
     let solver = Solver::new(&system);
-    for method in [Method::Adjoint, Method::Forward] {
+    for method in [Method::Adjoint, Method::Forward, Method::Bidirectional, Method::PushWalk] {
         let missed = (0..300).filter(|&seed| {
             let answer =
                 solver.solve(&Functional::Unknown(11), &Options { seed, ..options(method, 0.1) }).unwrap();
@@ -102,7 +107,7 @@ fn all_methods_agree_with_elimination() {
         let exact = solution(system.matrix(), system.source());
         let solver = Solver::new(&system);
         for unknown in [0, system.unknowns() / 2] {
-            for method in [&[Method::Auto][..], &Method::ALL].concat() {
+            for method in methods() {
                 let mut options = options(method, 0.05);
                 (options.goal.confidence, options.goal.absolute) = (0.9999, 0.15);
                 options.most_steps = 20_000_000;
@@ -145,6 +150,11 @@ fn choices_agree_and_a_guide_helps() {
     let guided = run(Choice::Guide(rough), Score::Collision, calm);
     let plain = run(Choice::Magnitude, Score::Collision, calm);
     assert!(guided.walks * 10 < plain.walks, "{} {}", guided.walks, plain.walks);
+    let perfect = run(Choice::Guide(exact.clone()), Score::Terminal, Ending::Analog);
+    assert!(
+        perfect.half_width < 1e-12 * exact[5] && (perfect.value / exact[5] - 1.0).abs() < 1e-12,
+        "{perfect:?}"
+    );
 }
 
 #[test]
@@ -276,6 +286,90 @@ fn several_unknowns_share_the_error() {
     assert_eq!(joint.len(), 10);
 }
 
+/// One set of forward walks serves as many as are asked for; each interval covers, and all of them together do.
+#[test]
+fn several_unknowns_share_forward_walks() {
+    for (name, system) in named_systems() {
+        let exact = solution(system.matrix(), system.source());
+        let mut asked: Vec<_> = (0..3).map(Functional::Unknown).collect();
+        asked.push(Functional::Weighted(vec![(0, 2.0), (1, -0.5), (0, 1.0)]));
+        let values = [exact[0], exact[1], exact[2], 3.0 * exact[0] - 0.5 * exact[1]];
+        for score in [Score::Collision, Score::Expected] {
+            let mut options = Options { score, ..options(Method::Forward, 0.05) };
+            (options.goal.confidence, options.goal.absolute) = (0.9999, 0.15);
+            let solver = Solver::new(&system);
+            let joint = solver.solve_all(&asked, &options).unwrap();
+            for (answer, exact) in joint.iter().zip(values) {
+                assert!(answer.low() <= exact && exact <= answer.high(), "{name} {exact} {answer:?}");
+                assert!(
+                    answer.reached && (answer.shared == 4 || answer.half_width == 0.0),
+                    "{name} {answer:?}"
+                );
+            }
+            let alone: u64 = asked.iter().map(|one| solver.solve(one, &options).unwrap().steps).sum();
+            assert!(joint[0].steps < alone, "{name}: {} {alone}", joint[0].steps);
+        }
+    }
+}
+
+#[test]
+fn what_walks_cannot_come_to_is_zero_among_others() {
+    let two = matrix(4, &[(0, 1, 0.5), (1, 0, 0.5), (2, 3, 0.9), (3, 2, 0.9)]);
+    let system = System::fixed_point(two, vec![1.0, 1.0, 0.0, 0.0]).unwrap();
+    let asked: Vec<_> = (0..4).map(Functional::Unknown).collect();
+    for method in methods() {
+        let answers = Solver::new(&system).solve_each(&asked, &options(method, 0.01)).unwrap();
+        let near = |answer: &lichtweg_walk::Answer, exact: f64| {
+            (answer.value - exact).abs() <= 3.0 * answer.half_width + 1e-9
+        };
+        assert!(answers.iter().zip([2.0, 2.0, 0.0, 0.0]).all(|(a, x)| near(a, x)), "{method:?} {answers:?}");
+    }
+}
+
+/// Of a grid that is too large for the small change: the plan is made for each, or for all.
+#[test]
+fn plans_for_several_are_no_worse_than_for_one() {
+    let grid = poisson(60, 0.3);
+    let b: Vec<f64> = (0..3600).map(|i| 1.0 + (i % 5) as f64).collect();
+    let system = System::linear(&grid, &b, Splitting::default()).unwrap();
+    let solver = Solver::new(&system);
+    let exact =
+        solver.solve(&Functional::Unknown(0), &options(Method::Deterministic, 1e-10)).unwrap().x.unwrap();
+    for count in [1, 2, 40, 3600] {
+        let asked: Vec<_> = (0..count).map(|k| Functional::Unknown(k * 3600 / count)).collect();
+        let mut options = options(Method::Auto, 0.02);
+        options.goal.confidence = 0.9999;
+        let answers = solver.solve_all(&asked, &options).unwrap();
+        for (k, answer) in answers.iter().enumerate() {
+            let exact = exact[k * 3600 / count];
+            assert!(answer.low() <= exact && exact <= answer.high() && answer.reached, "{exact} {answer:?}");
+            assert!(!answer.why.is_empty() && !answer.costs.is_empty(), "{answer:?}");
+        }
+        // All of them are one solution.
+        assert_eq!(count == 3600, answers.iter().all(|answer| answer.method == Method::Deterministic));
+    }
+}
+
+/// The product of many factors: few walks have nearly all of the score.
+#[test]
+fn heavy_tails_are_told() {
+    let triplets: Vec<_> = (0..6).flat_map(|i| [(i, i + 1, 0.02 * 25.0), (i, 7, 0.5)]).collect();
+    let mut b = vec![1e-3; 8];
+    b[6] = 1e5;
+    let system = System::fixed_point(matrix(8, &triplets), b).unwrap();
+    let run = |choice| {
+        let options = Options {
+            choice,
+            ending: Ending::Constant(0.6),
+            most_steps: 40_000,
+            ..options(Method::Adjoint, 0.001)
+        };
+        Solver::new(&system).solve(&Functional::Unknown(0), &options).unwrap()
+    };
+    let answer = run(Choice::Magnitude);
+    assert!(answer.warnings.iter().any(|warning| warning.contains("heavy tail")), "{answer:?}");
+}
+
 #[test]
 fn answers_do_not_depend_on_threads() {
     for (name, system) in named_systems() {
@@ -297,7 +391,7 @@ fn answers_do_not_depend_on_threads() {
                 })
             })
         };
-        for method in [&[Method::Auto][..], &Method::ALL].concat() {
+        for method in methods() {
             assert_eq!(run(1, method), run(3, method), "{name} {method:?}");
         }
     }
@@ -307,8 +401,7 @@ fn answers_do_not_depend_on_threads() {
 fn systems_at_the_edge() {
     let solve = |m: Matrix, b: Vec<f64>, unknown: usize| {
         let system = System::fixed_point(m, b).unwrap();
-        let answers: Vec<_> = [&[Method::Auto][..], &Method::ALL]
-            .concat()
+        let answers: Vec<_> = methods()
             .into_iter()
             .map(|method| Solver::new(&system).solve(&Functional::Unknown(unknown), &options(method, 0.01)))
             .collect();

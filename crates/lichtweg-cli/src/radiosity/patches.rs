@@ -5,22 +5,25 @@
 //! cosine-distributed rays from i that meet j first, so that rows are transition probabilities of the walk that light takes
 //! backwards, and 1 - rho_i is its absorption.
 //!
-//! Limits: triangles only; reflectance and emission are taken at the centre of a patch; what is not diffuse counts by its
-//! albedo; patches are black from behind.
+//! Limits: spheres, disks and cylinders become triangles; there are no curves and no instances, and area lights alone;
+//! reflectance and emission are taken at the centre of a patch; what is not diffuse counts by its albedo; patches are black
+//! from behind.
 
-use lichtweg::scene::{Form, Scene, SurfacePoint};
+use lichtweg::light::Light;
+use lichtweg::scene::offset::{offset, position_error};
+use lichtweg::scene::{Form, MeshForm, Scene, SurfacePoint};
 use lichtweg_montecarlo::{Sampler, SamplerKind, warp};
 use lichtweg_ray::math::Vec3;
 use lichtweg_ray::{Accel, BuildOptions, Ray, TriangleMesh};
 use lichtweg_walk::{Matrix, System};
 use rayon::prelude::*;
 
-/// A part of a triangle.
+use super::quadric;
+
+/// A triangle of constant radiosity.
 struct Patch {
-    shape: u32,
-    triangle: u32,
-    /// Corners as weights of the triangle's second and third corner.
-    corners: [[f32; 2]; 3],
+    corners: [Vec3; 3],
+    /// Unit, outward.
     normal: Vec3,
     reflectance: [f32; 3],
     /// pi times the emitted radiance.
@@ -37,55 +40,37 @@ pub struct Patches {
 const MOST: usize = 200_000;
 
 impl Patches {
-    /// Cuts the triangles of a scene into patches with edges of about `edge`.
+    /// Cuts the surfaces of a scene into patches with edges of about `edge`.
     ///
     /// # Errors
-    /// A shape that is not made of triangles, too many patches, none at all.
+    /// Curves, lights other than area lights, too many patches, none at all.
     pub fn new(scene: &Scene, edge: f32) -> Result<Self, String> {
-        let mut patches = Vec::new();
-        let mut positions = Vec::new();
+        if scene.lights().iter().any(|light| !matches!(light, Light::Area(_))) {
+            return Err("radiosity knows emitting surfaces only: the scene has a point, spot, directional or environment light".into());
+        }
+        let mut patches: Vec<Patch> = Vec::new();
         for shape in 0..scene.shape_count() as u32 {
-            let Form::Mesh(mesh) = scene.form(shape) else {
-                return Err(
-                    "radiosity knows triangles only: the scene has a sphere, disk or cylinder".to_owned()
-                );
+            let pieces = match scene.form(shape) {
+                Form::Mesh(mesh) => pieces_of_mesh(mesh, shape, edge),
+                Form::Quadric(form) => quadric::triangles(form, shape, edge),
+                Form::Curves(_) => {
+                    return Err(
+                        "radiosity knows triangles, spheres, disks and cylinders: the scene has curves"
+                            .into(),
+                    );
+                }
             };
-            for triangle in 0..mesh.triangles.len() as u32 {
-                if mesh.area(triangle) <= 0.0 {
-                    continue;
-                }
-                let [a, b, c] = mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize]);
-                let longest = [b - a, c - b, a - c]
-                    .map(|side| side.length_squared().sqrt())
-                    .into_iter()
-                    .fold(0.0, f32::max);
-                let cuts = (longest / edge).ceil().clamp(1.0, 512.0) as u32;
-                for corners in pieces(cuts) {
-                    let point = |[u, v]: [f32; 2]| mesh.point(shape, triangle, u, v);
-                    let centre =
-                        point([0, 1].map(|k| corners.iter().map(|corner| corner[k]).sum::<f32>() / 3.0));
-                    positions.extend(corners.map(|corner| point(corner).position));
-                    patches.push(Patch {
-                        shape,
-                        triangle,
-                        corners,
-                        normal: centre.geometric_normal,
-                        reflectance: scene
-                            .scatterer(&centre, centre.shading_normal)
-                            .bsdf
-                            .albedo_hint()
-                            .to_rgb(),
-                        emission: emission(scene, &centre),
-                    });
-                }
-                if patches.len() > MOST {
-                    return Err(format!("more than {MOST} patches: take a larger --patch"));
-                }
+            patches.extend(
+                pieces.into_iter().filter_map(|(corners, centre)| Patch::new(scene, corners, &centre)),
+            );
+            if patches.len() > MOST {
+                return Err(format!("more than {MOST} patches: take a larger --patch"));
             }
         }
         if patches.is_empty() {
             return Err("the scene has no surface".to_owned());
         }
+        let positions: Vec<Vec3> = patches.iter().flat_map(|patch| patch.corners).collect();
         let triangles: Vec<[u32; 3]> =
             (0..patches.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = TriangleMesh::new(positions, triangles);
@@ -100,9 +85,9 @@ impl Patches {
     }
 
     /// The matrix of form factors, by `rays` rays from each patch.
-    pub fn form_factors(&self, scene: &Scene, rays: u32, seed: u64) -> Matrix {
+    pub fn form_factors(&self, rays: u32, seed: u64) -> Matrix {
         let row = |i: usize| {
-            let mut hits: Vec<u32> = (0..rays).filter_map(|ray| self.shoot(scene, i, ray, seed)).collect();
+            let mut hits: Vec<u32> = (0..rays).filter_map(|ray| self.shoot(i, ray, seed)).collect();
             hits.sort_unstable();
             hits.chunk_by(|a, b| a == b)
                 .map(|same| (i as u32, same[0], same.len() as f64 / f64::from(rays)))
@@ -113,18 +98,17 @@ impl Patches {
     }
 
     /// The patch that a ray from patch `i` meets from the front.
-    fn shoot(&self, scene: &Scene, i: usize, ray: u32, seed: u64) -> Option<u32> {
+    fn shoot(&self, i: usize, ray: u32, seed: u64) -> Option<u32> {
         let patch = &self.patches[i];
-        let Form::Mesh(mesh) = scene.form(patch.shape) else { return None };
         let mut sampler = Sampler::new(SamplerKind::Sobol, seed, i as u64, ray);
         let weights = warp::uniform_triangle(sampler.next_2d());
-        let [u, v] =
-            [0, 1].map(|k| weights.iter().zip(&patch.corners).map(|(w, corner)| w * corner[k]).sum::<f32>());
+        let position =
+            weights.iter().zip(patch.corners).fold(Vec3::ZERO, |sum, (&w, corner)| sum + corner * w);
         let local = warp::cosine_hemisphere(sampler.next_2d());
         let direction = lichtweg::bsdf::Frame::from_normal(patch.normal)
             .to_world(Vec3::new(local[0], local[1], local[2]));
-        let origin = mesh.point(patch.shape, patch.triangle, u, v).leave(direction);
-        self.seen(&Ray::new(origin, direction))
+        let error = position_error(patch.corners.iter().map(|c| c.abs().max_element()).fold(0.0, f32::max));
+        self.seen(&Ray::new(offset(position, error, patch.normal, direction), direction))
     }
 
     /// The patch along a ray, if it shows its front.
@@ -147,6 +131,36 @@ impl Patches {
         let matrix = matrix.map_err(|error| error.to_string())?;
         System::fixed_point(matrix, emission).map_err(|error| error.to_string())
     }
+}
+
+impl Patch {
+    /// A triangle that looks like the surface at a point; `None` where it has no area.
+    fn new(scene: &Scene, corners: [Vec3; 3], centre: &SurfacePoint) -> Option<Self> {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).try_normalized()?;
+        let reflectance = scene.scatterer(centre, centre.shading_normal).bsdf.albedo_hint().to_rgb();
+        let outward = if normal.dot(centre.geometric_normal) < 0.0 { -normal } else { normal };
+        Some(Self { corners, normal: outward, reflectance, emission: emission(scene, centre) })
+    }
+}
+
+/// The parts of the triangles of a mesh, and the point in the middle of each.
+fn pieces_of_mesh(mesh: &MeshForm, shape: u32, edge: f32) -> Vec<([Vec3; 3], SurfacePoint)> {
+    let mut found = Vec::new();
+    for triangle in (0..mesh.triangles.len() as u32).filter(|&triangle| mesh.area(triangle) > 0.0) {
+        let [a, b, c] = mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize]);
+        let lengths = [b - a, c - b, a - c].map(|side| side.length_squared().sqrt());
+        let cuts = (lengths.into_iter().fold(0.0, f32::max) / edge).ceil().clamp(1.0, 512.0) as u32;
+        for corners in pieces(cuts) {
+            let point = |[u, v]: [f32; 2]| mesh.point(shape, triangle, u, v);
+            let centre = [0, 1].map(|k| corners.iter().map(|corner| corner[k]).sum::<f32>() / 3.0);
+            found.push((corners.map(|corner| point(corner).position), point(centre)));
+        }
+        if found.len() > MOST {
+            break;
+        }
+    }
+    found
 }
 
 fn emission(scene: &Scene, centre: &SurfacePoint) -> [f32; 3] {

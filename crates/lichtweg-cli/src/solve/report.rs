@@ -39,7 +39,8 @@ pub fn print(
     }
     if answers.iter().any(|answer| answer.walks > 0) {
         let radius = solver.radius();
-        let proven = if radius.high < 1.0 { format!("<= {:.6}", radius.high) } else { "< 1".to_owned() };
+        let proven =
+            if radius.high < 1.0 - 5e-7 { format!("<= {:.6}", radius.high) } else { "< 1".to_owned() };
         writeln!(out, "  {:9}rho(|M|) {proven}: walks converge", "proof")?;
     }
     Ok(())
@@ -88,7 +89,8 @@ fn write_answer(
         work.push(format!("{} matrix entries used", count(answer.operations)));
     }
     work.push(seconds(answer.seconds));
-    writeln!(out, "  {:9}{}", "work", work.join(", "))?;
+    let shared = if answer.shared > 1 { format!(" (shared by {})", answer.shared) } else { String::new() };
+    writeln!(out, "  {:9}{}{shared}", "work", work.join(", "))?;
     for warning in &answer.warnings {
         writeln!(out, "  {:9}{warning}", "warning")?;
     }
@@ -148,6 +150,7 @@ fn json(name: &str, answer: &Answer) -> Value {
         "steps": answer.steps,
         "matrix_entries_used": answer.operations,
         "seconds": answer.seconds,
+        "shared_by": answer.shared,
         "warnings": answer.warnings,
         "neumann": answer.by_length,
     })

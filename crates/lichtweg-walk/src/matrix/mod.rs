@@ -190,6 +190,19 @@ impl Matrix {
         magnitudes
     }
 
+    /// Ostrowski's comparison matrix: magnitudes on the diagonal, negative magnitudes elsewhere.
+    #[must_use]
+    pub fn comparison(&self) -> Self {
+        let mut signed = self.clone();
+        for i in 0..self.rows() {
+            for at in self.offsets[i]..self.offsets[i + 1] {
+                let magnitude = self.values[at].abs();
+                signed.values[at] = if self.indices[at] as usize == i { magnitude } else { -magnitude };
+            }
+        }
+        signed
+    }
+
     /// D^-1 M D with D = diag(d): a similar matrix, on which walks prefer states of large d.
     ///
     /// `d` has to be positive; entries that underflow to zero are kept as the smallest positive number, so that no

@@ -11,9 +11,12 @@ pub enum Functional {
     Weighted(Vec<(usize, f64)>),
 }
 
+/// g as pairs of index and value, without zeros.
+pub(super) type Entries = Vec<(usize, f64)>;
+
 impl Functional {
-    /// g without zeros.
-    pub(super) fn entries(&self, unknowns: usize) -> Result<Vec<(usize, f64)>, Refusal> {
+    /// g, checked.
+    pub(super) fn entries(&self, unknowns: usize) -> Result<Entries, Refusal> {
         let entries = match self {
             Self::Unknown(i) => vec![(*i, 1.0)],
             Self::Weighted(entries) => entries.iter().copied().filter(|&(_, value)| value != 0.0).collect(),
@@ -44,13 +47,15 @@ pub enum Method {
     PushWalk,
     /// Sequential Monte Carlo for all unknowns.
     Sequential,
-    /// No walks.
+    /// Krylov iterations.
     Deterministic,
+    /// A sparse factorisation, with the feature `faer`.
+    Direct,
 }
 
 impl Method {
     /// All of them but [`Method::Auto`].
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Adjoint,
         Self::Forward,
         Self::Push,
@@ -58,7 +63,14 @@ impl Method {
         Self::PushWalk,
         Self::Sequential,
         Self::Deterministic,
+        Self::Direct,
     ];
+
+    /// Whether this build has it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        self != Self::Direct || cfg!(feature = "faer")
+    }
 
     /// Its name on the command line.
     #[must_use]
@@ -72,6 +84,7 @@ impl Method {
             Self::PushWalk => "push-walk",
             Self::Sequential => "sequential",
             Self::Deterministic => "deterministic",
+            Self::Direct => "direct",
         }
     }
 }
@@ -125,7 +138,9 @@ pub struct Answer {
     pub warnings: Vec<String>,
     /// Mean contribution of walks after 0, 1, 2, ... transitions, where asked for; the 257th holds all longer ones.
     pub by_length: Vec<f64>,
-    /// All unknowns, where the method gave them.
+    /// Answers that the same work gave, this one included: walks, steps, operations and seconds are those of all of them.
+    pub shared: usize,
+    /// All unknowns, where the method gave them; of answers that share their work, the first has them.
     pub x: Option<Vec<f64>>,
 }
 
@@ -158,6 +173,7 @@ impl Answer {
             costs: Vec::new(),
             warnings: Vec::new(),
             by_length: Vec::new(),
+            shared: 1,
             x: None,
         }
     }

@@ -8,7 +8,11 @@
 //! | [`Method::Bidirectional`] | pushes from the unknown, walks from b into what is left | both ends are small: one pair of nodes |
 //! | [`Method::PushWalk`] | pushes from the unknown, and walks on from what is left | tolerances that push alone reaches late |
 //! | [`Method::Sequential`] | walks for all unknowns, in stages | all unknowns, walks are short |
-//! | [`Method::Deterministic`] | a Krylov solver, or a sparse factorisation | walks are long; all unknowns |
+//! | [`Method::Deterministic`] | Krylov iterations | walks are long; all unknowns |
+//! | [`Method::Direct`] | a sparse factorisation | Krylov iterations are slow, factors are small |
+//!
+//! Several functionals share what can be shared: forward walks, which score for all of them at once, and solutions for all
+//! unknowns.
 //!
 //! Push from one end and walks from the other: Lofgren, Banerjee, Goel, *Personalized PageRank estimation and search: a
 //! bidirectional approach* (WSDM 2016). Push, then walks onward: Wang et al., *FORA* (KDD 2017). For linear systems:
@@ -20,12 +24,12 @@ mod plan;
 mod proof;
 mod pushing;
 mod refusal;
+mod several;
 mod side;
 mod stages;
 mod walking;
 
 use std::sync::OnceLock;
-use std::time::Instant;
 
 use crate::convergence::Radius;
 use crate::stopping::Goal;
@@ -36,6 +40,7 @@ pub use answer::{Answer, Cost, Evidence, Functional, Method};
 pub use refusal::Refusal;
 pub use side::Choice;
 
+use answer::Entries;
 use proof::Proof;
 
 /// How to solve.
@@ -96,6 +101,9 @@ pub struct Solver<'a> {
     /// Along rows, along columns.
     kept: [Kept; 2],
     source_start: OnceLock<Option<Start>>,
+    /// What factors would take.
+    #[cfg(feature = "faer")]
+    fill: OnceLock<Option<crate::direct::Fill>>,
 }
 
 /// What walks in a direction need again and again.
@@ -111,7 +119,14 @@ impl<'a> Solver<'a> {
     /// For a system.
     #[must_use]
     pub fn new(system: &'a System) -> Self {
-        Self { system, proof: Proof::default(), kept: Default::default(), source_start: OnceLock::new() }
+        Self {
+            system,
+            proof: Proof::default(),
+            kept: Default::default(),
+            source_start: OnceLock::new(),
+            #[cfg(feature = "faer")]
+            fill: OnceLock::new(),
+        }
     }
 
     /// The system.
@@ -134,15 +149,8 @@ impl<'a> Solver<'a> {
     /// # Errors
     /// The functional is outside of the system; walks do not converge or cannot be believed.
     pub fn solve(&self, functional: &Functional, options: &Options) -> Result<Answer, Refusal> {
-        let began = Instant::now();
-        let target = functional.entries(self.system.unknowns())?;
-        let mut answer = if self.system.summary().sources == 0 || target.is_empty() {
-            Answer::exact(0.0, "the source vector or the functional is zero, and so is the answer")
-        } else {
-            self.by(options.method, &target, options)?
-        };
-        answer.seconds = began.elapsed().as_secs_f64();
-        Ok(answer)
+        let found = self.solve_each(std::slice::from_ref(functional), options)?;
+        found.into_iter().next().ok_or_else(|| Refusal::Parameter("nothing was found".into()))
     }
 
     /// Several functionals, with joint confidence: each at 1 - alpha / m (Bonferroni).
@@ -152,26 +160,7 @@ impl<'a> Solver<'a> {
     pub fn solve_all(&self, functionals: &[Functional], options: &Options) -> Result<Vec<Answer>, Refusal> {
         let mut options = options.clone();
         options.goal.confidence = 1.0 - (1.0 - options.goal.confidence) / functionals.len().max(1) as f64;
-        functionals.iter().map(|functional| self.solve(functional, &options)).collect()
-    }
-
-    /// By one method.
-    fn by(&self, method: Method, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
-        match method {
-            Method::Auto => self.plan(target, options),
-            Method::Deterministic => self.deterministic(target, &options.goal),
-            Method::Sequential => self.sequential(target, options),
-            Method::Adjoint | Method::Forward => {
-                self.check_convergence()?;
-                let side = self.side(method == Method::Forward, target, None, options)?;
-                self.walk_side(method, side.as_ref(), 0.0, 0, options)
-            }
-            Method::Push => {
-                self.check_convergence()?;
-                self.push(target, options)
-            }
-            Method::Bidirectional | Method::PushWalk => self.push_and_walk(method, target, options),
-        }
+        self.solve_each(functionals, &options)
     }
 
     /// A refusal where walks do not converge.
@@ -189,5 +178,5 @@ const PILOT_SEED: u64 = 0x9170_7000_0000_0000;
 
 /// Start of walks in g or b, where not all are zero.
 fn start(entries: impl IntoIterator<Item = (usize, f64)>) -> Result<Option<Start>, Refusal> {
-    Start::by(entries).map_err(|error| Refusal::Parameter(error.to_string()))
+    Ok(Start::by(entries)?)
 }

@@ -7,23 +7,39 @@
 //! of its iterations. The model is in nanoseconds but does not look at a clock, so that the choice depends on the system, the
 //! goal and the seed alone.
 
-use super::walking::interval;
-use super::{Answer, Cost, Method, Options, PILOT_SEED, Refusal, Solver};
-use crate::push::Push;
-use crate::stopping::{FEWEST, Goal, walks_needed};
+use std::time::Instant;
 
-/// Nanoseconds of a transition where rows come from the cache, and where they do not.
-const NEAR_STEP: f64 = 27.0;
-const FAR_STEP: f64 = 80.0;
+use super::several::{can_share, timed};
+use super::walking::interval;
+use super::{Answer, Cost, Entries, Method, Options, PILOT_SEED, Refusal, Solver};
+use crate::push::Push;
+use crate::stopping::{FEWEST, Goal, Interval, walks_needed};
+use crate::walk::Tally;
+
+/// Nanoseconds of a transition: where all fits into the cache, where walks stay near their start in a large system, and
+/// where they go all over it and miss the cache each time.
+const CACHED_STEP: f64 = 25.0;
+const NEAR_STEP: f64 = 40.0;
+const FAR_STEP: f64 = 100.0;
+/// Entries of a large system.
+const LARGE: usize = 1 << 18;
+/// Transitions after which a walk is far from its start.
+const LONG: f64 = 200.0;
 /// Nanoseconds to create a walk.
 const CREATION: f64 = 40.0;
 /// Nanoseconds for each entry that is pushed.
-const PUSHED: f64 = 6.0;
+const PUSHED: f64 = 7.0;
+/// Nanoseconds for each state that was met to begin walks from what was left there.
+const LEFT: f64 = 10.0;
 /// Nanoseconds for each entry of a matrix in a product, and for each unknown of a Krylov step.
 const PRODUCT_ENTRY: f64 = 1.0;
 const KRYLOV_UNKNOWN: f64 = 10.0;
 /// Nanoseconds for each entry to make the transpose.
 const TRANSPOSED: f64 = 12.0;
+/// Nanoseconds of a factorisation: to order it, for each entry of the matrix; for each entry of the factors; for each
+/// multiplication.
+#[cfg(feature = "faer")]
+const FACTORS: (f64, f64, f64) = (500.0, 10.0, 0.3);
 /// Operations of the first stage of pushing.
 const FIRST_STAGE: u64 = 1 << 15;
 /// Steps that pilots may take, about: before the first stage, and later.
@@ -32,26 +48,125 @@ const PILOT: f64 = 30_000.0;
 /// Walks of a pilot.
 const PILOT_WALKS: (u64, u64) = (32, 512);
 
+/// What came of planning for one functional.
+enum Planned {
+    Done(Answer),
+    /// Walks would cost more than the rival.
+    Left {
+        /// Nanoseconds that they would take.
+        cheapest: f64,
+        costs: Vec<Cost>,
+        /// Transitions that pilots made.
+        steps: u64,
+    },
+}
+
 impl Solver<'_> {
-    /// Finds a number by what promises to be cheapest.
-    pub(super) fn plan(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
+    /// Finds numbers by what promises to be cheapest. Each goes alone as long as that costs less than its share of a method
+    /// that serves all; those that are left share it.
+    pub(super) fn plan(&self, targets: &[Entries], options: &Options) -> Result<Vec<Answer>, Refusal> {
         self.check_convergence()?;
-        let deterministic = self.deterministic_cost(&options.goal);
+        let mut shared = self.shared_cost(targets, options)?;
+        let share = shared.cheapest() / targets.len() as f64;
+        if share < FIRST_PILOT * NEAR_STEP {
+            let answers = timed(|| self.solve_shared(targets, &shared, options))?;
+            let cost = Cost { method: answers[0].method, seconds: shared.cheapest() * 1e-9 };
+            let why =
+                format!("it takes about {}, no longer than to plan anything else", time(shared.cheapest()));
+            let told = |answer| Answer { why: why.clone(), costs: vec![cost], ..answer };
+            return Ok(answers.into_iter().map(told).collect());
+        }
+        let mut answers = Vec::with_capacity(targets.len());
+        let (mut left, mut alone) = (Vec::new(), 0.0);
+        for (at, target) in targets.iter().enumerate() {
+            let began = Instant::now();
+            let planned = self.plan_one(target, share, &shared, options)?;
+            if let Planned::Left { cheapest, .. } = &planned {
+                alone += cheapest;
+                left.push(at);
+            }
+            answers.push((planned, began.elapsed().as_secs_f64()));
+        }
+        // Looked into late, since that takes time itself.
+        if !left.is_empty() {
+            shared.direct = self.direct_cost(alone.min(shared.cheapest()));
+        }
+        let rest: Vec<Entries> = left.iter().map(|&at| targets[at].clone()).collect();
+        let mut found = if rest.is_empty() {
+            Vec::new()
+        } else if rest.len() > 1 && alone < shared.cheapest() {
+            let one = |target| timed(|| Ok(vec![self.plan_alone(target, &shared, options)?]));
+            rest.iter().map(one).collect::<Result<Vec<_>, _>>()?.concat()
+        } else {
+            timed(|| self.solve_shared(&rest, &shared, options))?
+        }
+        .into_iter();
+        let finish = |(planned, seconds): (Planned, f64)| match planned {
+            Planned::Done(answer) => Some(Answer { seconds, ..answer }),
+            Planned::Left { cheapest, mut costs, steps } => {
+                let answer = found.next()?;
+                costs.retain(|cost| answer.costs.iter().all(|other| other.method != cost.method));
+                costs.extend_from_slice(&answer.costs);
+                let why = if answer.why.is_empty() { shared.why(&answer, cheapest) } else { answer.why };
+                let seconds = seconds + answer.seconds;
+                Some(Answer { why, costs, seconds, steps: answer.steps + steps, ..answer })
+            }
+        };
+        Ok(answers.into_iter().filter_map(finish).collect())
+    }
+
+    /// By the best of the methods that serve all.
+    fn solve_shared(
+        &self,
+        targets: &[Entries],
+        shared: &Shared,
+        options: &Options,
+    ) -> Result<Vec<Answer>, Refusal> {
+        let mut answers = if shared.forward < shared.deterministic.min(shared.direct) {
+            self.forward(targets, options)?
+        } else if shared.direct < shared.deterministic {
+            self.direct(targets, &options.goal)?
+        } else {
+            self.deterministic(targets, &options.goal)?
+        };
+        answers.iter_mut().for_each(|answer| answer.why.clear());
+        Ok(answers)
+    }
+
+    /// Without a rival, unless walks are out of the question.
+    fn plan_alone(&self, target: &Entries, shared: &Shared, options: &Options) -> Result<Answer, Refusal> {
+        match self.plan_one(target, f64::MAX, shared, options)? {
+            Planned::Done(answer) => Ok(answer),
+            Planned::Left { .. } => {
+                let found = self.deterministic(std::slice::from_ref(target), &options.goal)?;
+                found.into_iter().next().ok_or(Refusal::NotSolved { residual: f64::INFINITY })
+            }
+        }
+    }
+
+    /// Finds one number if that costs less than a rival.
+    fn plan_one(
+        &self,
+        target: &Entries,
+        rival: f64,
+        shared: &Shared,
+        options: &Options,
+    ) -> Result<Planned, Refusal> {
         let mut push = Push::new(self.system.matrix(), target.iter().copied());
-        let mut costs = vec![Cost { method: Method::Deterministic, seconds: deterministic * 1e-9 }];
+        let mut costs = vec![Cost { method: Method::Deterministic, seconds: shared.deterministic * 1e-9 }];
         let mut stage = self.stage(&push, target, options, FIRST_PILOT)?;
         note(&mut costs, &stage, false);
         let mut stage_operations = FIRST_STAGE;
         let (mut operations, mut half_width) = (0, self.pushed(&push).1);
         let (mut goes_on, mut steps) = (true, stage.steps);
-        while goes_on && PUSHED * (operations as f64) < stage.cheapest().min(deterministic) {
+        while goes_on && PUSHED * (operations as f64) < stage.cheapest().min(rival) {
             if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
                 let why = format!(
                     "its proven bound got small enough after {} pushes; a deterministic solver would take about {}",
                     push.pushes(),
-                    time(deterministic)
+                    time(shared.deterministic)
                 );
-                return Ok(Answer { why, costs, steps, ..answer });
+                return Ok(Planned::Done(Answer { why, costs, steps, ..answer }));
             }
             let (value, next_half_width) = self.pushed(&push);
             let used = push.operations() - operations;
@@ -63,31 +178,24 @@ impl Solver<'_> {
             let left = used as f64 * (next_half_width / goal).ln() / (half_width / next_half_width).ln();
             (operations, half_width) = (push.operations(), next_half_width);
             stage_operations = operations;
-            if 1.5 * PUSHED * left < stage.least.min(deterministic) {
+            if 1.5 * PUSHED * left < (stage.least + LEFT * push.met() as f64).min(rival) {
                 // Walks could not even begin to count before that.
                 continue;
             }
             let next = self.stage(&push, target, options, PILOT)?;
             note(&mut costs, &next, true);
-            let paid = stage.cheapest() - next.cheapest() > PUSHED * used as f64;
+            let paid = stage.cheapest() - next.cheapest() > PUSHED * used as f64 + LEFT * push.met() as f64;
             // The next stage cannot save more than what is above the fewest walks.
             let can_pay = next.cheapest() - next.least > PUSHED * stage_operations as f64;
             goes_on = paid && can_pay;
             steps += next.steps;
             stage = next;
         }
-        if stage.cheapest() <= deterministic {
-            let answer = self.walk_on(&push, target, &stage, costs, options)?;
-            return Ok(Answer { steps: answer.steps + steps, ..answer });
+        if stage.cheapest() > rival {
+            return Ok(Planned::Left { cheapest: stage.cheapest(), costs, steps });
         }
-        let answer = self.deterministic(target, &options.goal)?;
-        let why = format!(
-            "walks would take about {}, a deterministic solver about {} ({})",
-            time(stage.cheapest()),
-            time(deterministic),
-            answer.why.trim_start_matches("as asked for: ")
-        );
-        Ok(Answer { why, costs, steps, ..answer })
+        let answer = self.walk_on(&push, target, &stage, costs, options)?;
+        Ok(Planned::Done(Answer { steps: answer.steps + steps, ..answer }))
     }
 
     /// Push, then walks, as asked for.
@@ -163,8 +271,7 @@ impl Solver<'_> {
         let concentrated = system.summary().sources <= system.unknowns() / 8
             || system.unknowns() <= 4096
             || system.has_transposed();
-        let making =
-            if system.has_transposed() { 0.0 } else { TRANSPOSED * system.matrix().entries() as f64 };
+        let making = self.making_columns();
         let forward = if concentrated && making < adjoint.all && (!rows || columns()) {
             self.walk_cost(true, push, target, options, pilot)?
         } else {
@@ -198,9 +305,7 @@ impl Solver<'_> {
         if more > PILOT_WALKS.0 {
             pilot.merge(&walker.tally(options.seed ^ PILOT_SEED, PILOT_WALKS.0, more.min(PILOT_WALKS.1))?);
         }
-        // Walks that start all over a large system miss the cache at each transition.
-        let far = forward && self.system.matrix().entries() > 1 << 18;
-        let per_walk = CREATION + if far { FAR_STEP } else { NEAR_STEP } * pilot.steps_per_walk();
+        let per_walk = self.nanoseconds_of_walk(forward, &pilot);
         let least = FEWEST as f64 * per_walk;
         if pilot.nonzero == 0 {
             return Ok(WalkCost { all: f64::INFINITY, least, steps: pilot.steps });
@@ -211,16 +316,127 @@ impl Solver<'_> {
         Ok(WalkCost { all: walks as f64 * per_walk, least, steps: pilot.steps })
     }
 
-    /// Nanoseconds of a Krylov solver: its iterations by the condition that rho allows.
-    fn deterministic_cost(&self, goal: &Goal) -> f64 {
+    /// What methods would cost that serve all targets.
+    fn shared_cost(&self, targets: &[Entries], options: &Options) -> Result<Shared, Refusal> {
+        let count = targets.len();
+        // Where no rate of convergence is proven, walks know how long they are.
+        let known = self.radius().certificate.is_some() || self.proof.columns_contract(self.system);
+        let length = if known { 0.0 } else { self.length_of_walks(&targets[0], options)? };
+        let deterministic = self.deterministic_cost(&options.goal, length);
+        let (direct, forward) = (f64::INFINITY, f64::INFINITY);
+        let mut shared = Shared { deterministic, direct, forward, count };
+        let making = self.making_columns();
+        if count == 1 || !can_share(options) || making > shared.deterministic {
+            return Ok(shared);
+        }
+        let pilot = self.joint_pilot(targets, options, PILOT_WALKS.1)?;
+        let needed = |tally: &Tally| {
+            let alpha = 1.0 - options.goal.confidence;
+            walks_needed(tally, 0.0, &options.goal, Interval::Student, alpha)
+        };
+        if let (Some(first), Some(walks)) = (pilot.first(), pilot.iter().map(needed).max())
+            && pilot.iter().all(|tally| tally.nonzero > 0)
+        {
+            shared.forward = walks.max(FEWEST) as f64 * self.nanoseconds_of_walk(true, first) + making;
+        }
+        Ok(shared)
+    }
+
+    /// Nanoseconds to make M^T, where that is still to be done.
+    fn making_columns(&self) -> f64 {
+        if self.system.has_transposed() { 0.0 } else { TRANSPOSED * self.system.matrix().entries() as f64 }
+    }
+
+    /// Nanoseconds of a walk like those of a pilot.
+    fn nanoseconds_of_walk(&self, forward: bool, pilot: &Tally) -> f64 {
+        let length = pilot.steps_per_walk();
+        let step = match self.system.matrix().entries() > LARGE {
+            false => CACHED_STEP,
+            true if forward || length > LONG => FAR_STEP,
+            true => NEAR_STEP,
+        };
+        CREATION + step * length
+    }
+
+    /// Nanoseconds of a factorisation, where it could pay to find them out.
+    #[cfg(feature = "faer")]
+    fn direct_cost(&self, rival: f64) -> f64 {
+        let (ordering, entry, multiplication) = FACTORS;
+        let ordering = ordering * self.system.matrix().entries() as f64;
+        if 4.0 * ordering > rival {
+            return f64::INFINITY;
+        }
+        let fits = self.fill().filter(|fill| fill.entries <= crate::direct::MOST_FILL);
+        fits.map_or(f64::INFINITY, |fill| ordering + entry * fill.entries + multiplication * fill.operations)
+    }
+
+    /// There is none.
+    #[cfg(not(feature = "faer"))]
+    fn direct_cost(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Transitions of a walk from a target, about.
+    fn length_of_walks(&self, target: &Entries, options: &Options) -> Result<f64, Refusal> {
+        let Some(side) = self.side(false, target, None, options)? else { return Ok(0.0) };
+        let kernel = side.kernel(options);
+        let pilot = side.walker(&kernel, options)?.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
+        Ok(pilot.steps_per_walk())
+    }
+
+    /// Nanoseconds of a Krylov solver: its iterations by the condition that rho allows, or, where rho is not known, the lengths
+    /// of walks, which are about 1 / (1 - rho). The error is then to be bounded by a second solution.
+    fn deterministic_cost(&self, goal: &Goal, length: f64) -> f64 {
         let radius = self.radius();
         let rho = radius.estimate.clamp(0.0, 1.0 - 1e-7);
-        let condition = (1.0 + rho) / (1.0 - rho);
+        let condition = ((1.0 + rho) / (1.0 - rho)).max(2.0 * length);
         let digits = (2.0 / goal.relative.max(1e-15)).ln().max(1.0);
         let symmetric = self.system.as_linear().is_some();
-        let products = 0.5 * condition.sqrt() * digits * if symmetric { 1.0 } else { 2.0 };
+        let mut products = 0.5 * condition.sqrt() * digits * if symmetric { 1.0 } else { 2.0 };
+        if length > 0.0 {
+            products *= 2.0;
+        }
         let matrix = self.system.matrix();
         (2.0 + products) * (PRODUCT_ENTRY * matrix.entries() as f64 + KRYLOV_UNKNOWN * matrix.rows() as f64)
+    }
+}
+
+/// Expected nanoseconds of methods that serve any number of functionals.
+#[derive(Clone, Copy, Debug)]
+struct Shared {
+    deterministic: f64,
+    /// A factorisation; never, where it was not looked into.
+    direct: f64,
+    /// One set of forward walks; never, for one functional.
+    forward: f64,
+    /// Functionals.
+    count: usize,
+}
+
+impl Shared {
+    fn cheapest(&self) -> f64 {
+        self.deterministic.min(self.direct).min(self.forward)
+    }
+
+    /// Why a method was taken that serves all, where walks for one of them would take `alone`.
+    fn why(&self, answer: &Answer, alone: f64) -> String {
+        let alone = time(alone);
+        let for_each = if self.count > 1 { " for each unknown alone" } else { "" };
+        match answer.method {
+            Method::Forward => format!(
+                "walks{for_each} would take about {alone}, one set of forward walks for all about {}",
+                time(self.forward)
+            ),
+            Method::Direct => format!(
+                "walks{for_each} would take about {alone}, a factorisation about {}, Krylov iterations about {}",
+                time(self.direct),
+                time(self.deterministic)
+            ),
+            _ => format!(
+                "walks{for_each} would take about {alone}, a deterministic solver about {}",
+                time(self.deterministic)
+            ),
+        }
     }
 }
 

@@ -7,8 +7,8 @@ impl Solver<'_> {
     /// Push alone, to the goal or as far as allowed.
     pub(super) fn push(&self, target: &[(usize, f64)], options: &Options) -> Result<Answer, Refusal> {
         if !self.proof.rows_contract(self.system) && !self.proof.columns_contract(self.system) {
-            // Bounds need a certificate, whatever it takes.
-            let _ = self.proof.verified(self.system);
+            // Bounds need a majorant, whatever it takes.
+            let _ = self.proof.majorant(self.system);
         }
         let mut push = Push::new(self.system.matrix(), target.iter().copied());
         if let Some(answer) = self.push_to(&mut push, options, options.most_steps) {

@@ -54,11 +54,26 @@ pub enum Refusal {
     NoCertificate,
     /// The deterministic solver did not converge.
     #[error(
-        "the deterministic solver came to a relative residual of {residual:.1e} only: the system is singular or nearly so"
+        "the deterministic solver came to a relative residual of {residual:.1e} only: the system is singular or nearly so, or \
+         too hard for a Krylov method; --method direct factorises it"
     )]
     NotSolved {
         /// The residual it came to.
         residual: f64,
+    },
+    /// The program was built without a sparse factorisation.
+    #[error(
+        "this program was built without a sparse factorisation (cargo build --release --features faer); --method deterministic \
+         solves by Krylov iterations"
+    )]
+    NoFactorisation,
+    /// Factors that do not fit.
+    #[error(
+        "factors of this matrix have about {entries:.1e} entries, which is more than fits; --method deterministic needs no factors"
+    )]
+    TooMuchFill {
+        /// Entries of the factors.
+        entries: f64,
     },
     /// A parameter makes no sense.
     #[error("{0}")]
@@ -118,6 +133,6 @@ fn block_size_that_helps(a: &Matrix, b: &[f64]) -> Option<(usize, f64)> {
     [2, 4, 8, 16, 32].into_iter().find_map(|size| {
         let system = System::linear(a, b, Splitting::BlockJacobi { size, damping: 1.0 }).ok()?;
         let radius = spectral_radius(system.matrix(), None, 200);
-        (radius.high < 1.0).then_some((size, radius.high))
+        radius.is_below_one().then_some((size, radius.high))
     })
 }

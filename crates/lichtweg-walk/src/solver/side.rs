@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Options, Refusal, Solver, refusal, start};
 use crate::Matrix;
-use crate::convergence::{Radius, spectral_radius};
+use crate::convergence::{CONTRACTS, Radius, spectral_radius};
 use crate::push::Push;
 use crate::walk::{Ending, Kernel, Prepared, Score, Selection, Start, Walker};
 
@@ -157,7 +157,7 @@ impl<'a> Side<'a> {
         let start = Cow::Owned(self.start.scaled(d).ok_or_else(overflow)?);
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
         let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
-        let contraction = (largest < 1.0).then_some(largest);
+        let contraction = (largest < CONTRACTS).then_some(largest);
         Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction })
     }
 
@@ -178,19 +178,29 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// States where walks are created.
-    pub(super) fn starts(&self) -> impl Iterator<Item = usize> + '_ {
-        self.start.states()
+    /// What a visit of state `i` scores.
+    pub(super) fn score_of(&self, i: usize) -> f64 {
+        self.score[i]
     }
 
-    /// Whether a visit of state `i` scores.
-    pub(super) fn scores(&self, i: usize) -> bool {
-        self.score[i] != 0.0
+    /// Whether walks can come to a state that scores at all.
+    pub(super) fn reaches_a_score(&self) -> bool {
+        self.reachable().iter().zip(self.score.iter()).any(|(&seen, &score)| seen && score != 0.0)
     }
 
-    /// Where a walk can go from state `i`.
-    pub(super) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<'_> {
-        self.kernel.row(i).iter().map(|(j, _)| j)
+    /// States that walks can come to.
+    pub(super) fn reachable(&self) -> Vec<bool> {
+        let mut seen = vec![false; self.score.len()];
+        let mut waiting: Vec<usize> = self.start.states().collect();
+        waiting.iter().for_each(|&i| seen[i] = true);
+        while let Some(i) = waiting.pop() {
+            for (j, _) in self.kernel.row(i).iter() {
+                if !std::mem::replace(&mut seen[j], true) {
+                    waiting.push(j);
+                }
+            }
+        }
+        seen
     }
 
     /// The kernel to walk on.

@@ -26,7 +26,7 @@ impl Solver<'_> {
         let kernel = side.kernel(options);
         let walker = side.walker(&kernel, options)?;
         let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
-        if pilot.nonzero == 0 && !self.sees_source(side) {
+        if pilot.nonzero == 0 && !side.reaches_a_score() {
             return Ok(Answer::exact(offset, "the source vector cannot be reached from here"));
         }
         if options.quasi {
@@ -35,10 +35,11 @@ impl Solver<'_> {
         }
         let interval = interval(side, options)?;
         let walker = if options.lengths { walker.with_lengths() } else { walker };
-        let walk = |first, count| walker.tally(options.seed, first, count);
-        let found = estimate(&pilot, offset, &options.goal, interval, options.most_steps, walk)?;
+        let walk = |first, count| Ok(vec![walker.tally(options.seed, first, count)?]);
         let pilot_steps = pilot.steps;
-        self.report(method, offset, operations, pilot_steps, found)
+        let found = estimate(&[pilot], offset, &options.goal, interval, options.most_steps, walk)?;
+        let report = |found: &Estimate| report(method, offset, operations, pilot_steps, found);
+        found.first().map_or_else(|| Err(Refusal::NotBelieved { walks: 0, scored: 0 }), report)
     }
 
     /// Quasi-random walks to the goal: scrambles of twice as many points at each look, until their means agree.
@@ -84,58 +85,33 @@ impl Solver<'_> {
             points *= 2;
         }
     }
+}
 
-    /// Whether walks can come to a state that scores at all.
-    fn sees_source(&self, side: &Side<'_>) -> bool {
-        let mut seen = vec![false; self.system.unknowns()];
-        let mut waiting: Vec<usize> = side.starts().collect();
-        waiting.iter().for_each(|&i| seen[i] = true);
-        while let Some(i) = waiting.pop() {
-            if side.scores(i) {
-                return true;
-            }
-            for j in side.neighbours(i) {
-                if !std::mem::replace(&mut seen[j], true) {
-                    waiting.push(j);
-                }
-            }
-        }
-        false
+/// What walks found; `operations` were spent on pushing `offset` before.
+pub(super) fn report(
+    method: Method,
+    offset: f64,
+    operations: u64,
+    pilot_steps: u64,
+    found: &Estimate,
+) -> Result<Answer, Refusal> {
+    let tally = &found.tally;
+    let moments = tally.moments;
+    if !found.believed {
+        return Err(Refusal::NotBelieved { walks: moments.count(), scored: tally.nonzero });
     }
-
-    fn report(
-        &self,
-        method: Method,
-        offset: f64,
-        operations: u64,
-        pilot_steps: u64,
-        found: Estimate,
-    ) -> Result<Answer, Refusal> {
-        let moments = found.tally.moments;
-        if !found.believed {
-            return Err(Refusal::NotBelieved { walks: moments.count(), scored: found.tally.nonzero });
-        }
-        let mut warnings = Vec::new();
-        if let Some(warning) = heavy_tail(&found.tally) {
-            warnings.push(warning);
-        }
-        Ok(Answer {
-            value: offset + moments.mean(),
-            half_width: found.half_width,
-            evidence: Evidence::Statistical,
-            method,
-            reached: found.reached,
-            walks: moments.count(),
-            steps: found.tally.steps + pilot_steps,
-            operations,
-            seconds: 0.0,
-            why: "as asked for".to_owned(),
-            costs: Vec::new(),
-            warnings,
-            by_length: neumann(&found.tally),
-            x: None,
-        })
-    }
+    Ok(Answer {
+        half_width: found.half_width,
+        evidence: Evidence::Statistical,
+        method,
+        reached: found.reached,
+        walks: moments.count(),
+        steps: tally.steps + pilot_steps,
+        operations,
+        warnings: heavy_tail(tally).into_iter().collect(),
+        by_length: neumann(tally),
+        ..Answer::exact(offset + moments.mean(), "as asked for")
+    })
 }
 
 /// Student's interval, or, where it is asked for, Bernstein's.

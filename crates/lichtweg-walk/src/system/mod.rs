@@ -17,6 +17,7 @@ mod splitting;
 use std::sync::OnceLock;
 
 use crate::Matrix;
+use crate::convergence::CONTRACTS;
 
 pub use splitting::Splitting;
 
@@ -72,6 +73,8 @@ impl Summary {
 pub(crate) struct Linear {
     pub matrix: Matrix,
     pub right_side: Vec<f64>,
+    /// Whether it was split by its diagonal.
+    pub by_diagonal: bool,
 }
 
 /// Why numbers do not make a system.
@@ -147,7 +150,8 @@ impl System {
         check_vector("right side", right_side, matrix)?;
         let (split, source) = splitting.split(matrix, right_side)?;
         let mut system = Self::fixed_point(split, source)?;
-        system.linear = Some(Linear { matrix: matrix.clone(), right_side: right_side.to_vec() });
+        let by_diagonal = matches!(splitting, Splitting::Jacobi { .. });
+        system.linear = Some(Linear { matrix: matrix.clone(), right_side: right_side.to_vec(), by_diagonal });
         Ok(system)
     }
 
@@ -194,7 +198,7 @@ impl System {
     /// A lower bound of all x_i where neither M nor b has a negative element: x >= min b + min mass * min x.
     pub(crate) fn smallest_solution(&self) -> f64 {
         let Summary { row_mass, nonnegative, smallest_source, .. } = self.summary;
-        if nonnegative && row_mass.0 < 1.0 { smallest_source / (1.0 - row_mass.0) } else { 0.0 }
+        if nonnegative && row_mass.0 < CONTRACTS { smallest_source / (1.0 - row_mass.0) } else { 0.0 }
     }
 
     /// Whether M^T is at hand.

@@ -134,13 +134,6 @@ impl<'a> Kernel<'a> {
         Step { state: row.indices[at] as usize, factor: mass.copysign(row.values[at]) }
     }
 
-    /// (K r)_i, what the next state scores on average.
-    #[inline]
-    #[must_use]
-    pub fn expected(&self, i: usize, score: &[f64]) -> f64 {
-        self.matrix.row(i).dot(score)
-    }
-
     #[inline]
     fn long_row(&self, i: usize) -> Option<(LongRow, &[f64])> {
         let long = self.long.0.as_ref()?;

@@ -21,11 +21,13 @@
 
 mod kernel;
 mod quasi;
+mod several;
 mod tally;
 mod walker;
 
 pub(crate) use kernel::Prepared;
 pub use kernel::{Kernel, Selection};
 pub use quasi::quasi_random;
+pub use several::Targets;
 pub use tally::Tally;
 pub use walker::{Ending, Score, Start, WalkError, Walker, WeightWindow};

@@ -38,6 +38,14 @@ impl Tally {
         self.squares += score * score;
     }
 
+    /// Adds walks that scored nothing.
+    pub(super) fn push_zeros(&mut self, walks: u64) {
+        if walks > 0 && *self.first.get_or_insert(0.0) != 0.0 {
+            self.unlike_first += walks;
+        }
+        self.moments.merge(&Moments::from_parts(walks, 0.0, 0.0));
+    }
+
     /// Adds a contribution of one walk after `length` transitions.
     pub(super) fn push_contribution(&mut self, length: u64, contribution: f64) {
         if self.by_length.is_empty() {

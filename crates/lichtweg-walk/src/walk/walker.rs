@@ -1,6 +1,7 @@
 //! The walk itself.
 
-use lichtweg_montecarlo::distribution::{AliasTable, Discrete, WeightError};
+use std::ops::Range;
+
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use rayon::prelude::*;
 
@@ -48,42 +49,41 @@ impl Default for WeightWindow {
     }
 }
 
-/// Where walks are created.
+/// Where walks are created: in each state in proportion to the magnitude of a vector there.
 #[derive(Clone, Debug)]
 pub struct Start {
     states: Vec<u32>,
     values: Vec<f64>,
-    /// Constant time for independent numbers; monotone for stratified ones. None for a single state.
-    tables: Option<(AliasTable, Discrete)>,
+    /// Sums of magnitudes up to each entry. Searched rather than aliased: a table is used for few walks, and has to be
+    /// monotone for stratified numbers.
+    cumulative: Vec<f64>,
 }
 
 impl Start {
     /// In one state.
     #[must_use]
     pub fn state(i: usize) -> Self {
-        Self { states: vec![i as u32], values: vec![1.0], tables: None }
+        Self { states: vec![i as u32], values: vec![1.0], cumulative: vec![1.0] }
     }
 
-    /// By a vector (state, s_i), in proportion to the magnitudes; zeros are never drawn. `None` where all are zero.
+    /// By a vector (state, s_i); zeros are never drawn. `None` where all are zero.
     ///
     /// # Errors
-    /// A value that is not finite.
-    pub fn by(entries: impl IntoIterator<Item = (usize, f64)>) -> Result<Option<Self>, WeightError> {
-        let (states, values): (Vec<u32>, Vec<f64>) = entries
-            .into_iter()
-            .filter(|&(_, value)| value != 0.0)
-            .map(|(i, value)| (i as u32, value))
-            .unzip();
-        if states.is_empty() {
-            return Ok(None);
+    /// Magnitudes whose sum is not finite.
+    pub fn by(entries: impl IntoIterator<Item = (usize, f64)>) -> Result<Option<Self>, WalkError> {
+        let mut sum = 0.0;
+        let mut start = Self { states: Vec::new(), values: Vec::new(), cumulative: Vec::new() };
+        for (i, value) in entries.into_iter().filter(|&(_, value)| value != 0.0) {
+            sum += value.abs();
+            start.states.push(i as u32);
+            start.values.push(value);
+            start.cumulative.push(sum);
         }
-        let tables = if states.len() > 1 {
-            let magnitudes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-            Some((AliasTable::new(&magnitudes)?, Discrete::new(&magnitudes)?))
-        } else {
-            None
-        };
-        Ok(Some(Self { states, values, tables }))
+        match sum {
+            _ if start.states.is_empty() => Ok(None),
+            sum if sum.is_finite() => Ok(Some(start)),
+            _ => Err(WalkError::Overflow),
+        }
     }
 
     /// States where walks are created.
@@ -101,16 +101,20 @@ impl Start {
     /// Sum of the magnitudes.
     #[must_use]
     pub fn mass(&self) -> f64 {
-        self.values.iter().map(|value| value.abs()).sum()
+        self.cumulative.last().copied().unwrap_or(0.0)
     }
 
+    /// A state and s_i / p0_i there.
     #[inline]
     pub(crate) fn draw(&self, sampler: &mut Sampler) -> (usize, f64) {
-        let Some((alias, discrete)) = &self.tables else { return (self.states[0] as usize, self.values[0]) };
-        let u = sampler.next_1d_f64();
-        let pick =
-            if sampler.kind() == SamplerKind::Sobol { discrete.sample_f64(u) } else { alias.sample_f64(u) };
-        (self.states[pick.index] as usize, self.values[pick.index] / f64::from(pick.pmf))
+        let [state] = self.states[..] else {
+            let mass = self.mass();
+            let sought = sampler.next_1d_f64() * mass;
+            // Rounding must not lead past the end.
+            let at = self.cumulative.partition_point(|&sum| sum <= sought).min(self.states.len() - 1);
+            return (self.states[at] as usize, mass.copysign(self.values[at]));
+        };
+        (state as usize, self.values[0])
     }
 }
 
@@ -205,56 +209,62 @@ impl<'a> Walker<'a> {
         count: u64,
         sampler: impl Fn(u64) -> Sampler + Sync,
     ) -> Result<Tally, WalkError> {
-        let chunk = |chunk: u64| -> Result<Tally, WalkError> {
+        let chunk = |walks: Range<u64>| -> Result<Tally, WalkError> {
             let mut tally = Tally::default();
             let mut waiting = Vec::new();
-            let end = (first + count).min(first + (chunk + 1) * CHUNK);
-            for walk in first + chunk * CHUNK..end {
-                self.walk(sampler(walk), &mut waiting, &mut tally)?;
+            for walk in walks {
+                let mut score = 0.0;
+                let steps = self.follow(sampler(walk), &mut waiting, |state, weight, length| {
+                    let contribution = weight * self.score[state];
+                    score += contribution;
+                    if self.lengths && contribution != 0.0 {
+                        tally.push_contribution(length, contribution);
+                    }
+                })?;
+                if !score.is_finite() {
+                    return Err(WalkError::Overflow);
+                }
+                tally.push(score, steps);
             }
             Ok(tally)
         };
-        let chunks = count.div_ceil(CHUNK);
         let mut sum = Tally::default();
-        // In groups, whose tallies fit into memory.
-        for group in (0..chunks).step_by(GROUP) {
-            let range = group..chunks.min(group + GROUP as u64);
-            let tallies: Result<Vec<Tally>, WalkError> = range.into_par_iter().map(chunk).collect();
-            tallies?.iter().for_each(|tally| sum.merge(tally));
-        }
+        in_order(first, count, GROUP, chunk, |tally| sum.merge(&tally))?;
         Ok(sum)
     }
 
-    /// One walk, with all that it is split into.
-    fn walk(
+    /// One walk, with all that it is split into. `score(state, weight, length)` is told of each state that scores, with the
+    /// factor of its score and the transitions before it. Number of transitions.
+    #[inline]
+    pub(super) fn follow(
         &self,
         mut sampler: Sampler,
         waiting: &mut Vec<Particle>,
-        tally: &mut Tally,
-    ) -> Result<(), WalkError> {
+        mut score: impl FnMut(usize, f64, u64),
+    ) -> Result<u64, WalkError> {
         let (state, start_weight) = self.start.draw(&mut sampler);
-        let mut score = 0.0;
         let mut steps = 0;
         if self.how == Score::Expected {
-            let known = start_weight * self.score[state];
-            score += known;
-            self.note(tally, 0, known);
+            score(state, start_weight, 0);
         }
         waiting.clear();
         waiting.push(Particle { state, weight: 1.0, length: 0 });
         while let Some(mut particle) = waiting.pop() {
             loop {
-                let contribution = start_weight * self.visit(&particle);
-                score += contribution;
-                self.note(tally, particle.length + u64::from(self.how == Score::Expected), contribution);
+                let weight = start_weight * particle.weight;
+                match self.how {
+                    Score::Terminal => {}
+                    Score::Collision => score(particle.state, weight, particle.length),
+                    Score::Expected => {
+                        let row = self.kernel.matrix().row(particle.state);
+                        row.iter().for_each(|(j, value)| score(j, weight * value, particle.length + 1));
+                    }
+                }
                 match self.advance(particle, &mut sampler, waiting) {
                     Next::Goes(next) => particle = next,
                     Next::Ended { probability } => {
                         if self.how == Score::Terminal {
-                            let last =
-                                start_weight * particle.weight * self.score[particle.state] / probability;
-                            score += last;
-                            self.note(tally, particle.length, last);
+                            score(particle.state, weight / probability, particle.length);
                         }
                         break;
                     }
@@ -266,21 +276,7 @@ impl<'a> Walker<'a> {
                 }
             }
         }
-        if !score.is_finite() {
-            return Err(WalkError::Overflow);
-        }
-        tally.push(score, steps);
-        Ok(())
-    }
-
-    /// What a visit scores.
-    #[inline]
-    fn visit(&self, particle: &Particle) -> f64 {
-        match self.how {
-            Score::Terminal => 0.0,
-            Score::Collision => particle.weight * self.score[particle.state],
-            Score::Expected => particle.weight * self.kernel.expected(particle.state, self.score),
-        }
+        Ok(steps)
     }
 
     /// Ends the walk, or takes a step.
@@ -319,18 +315,11 @@ impl<'a> Walker<'a> {
         }
         Next::Goes(next)
     }
-
-    #[inline]
-    fn note(&self, tally: &mut Tally, length: u64, contribution: f64) {
-        if self.lengths && contribution != 0.0 {
-            tally.push_contribution(length, contribution);
-        }
-    }
 }
 
 /// A walk under way; its weight is relative to the start.
 #[derive(Clone, Copy, Debug)]
-struct Particle {
+pub(super) struct Particle {
     state: usize,
     weight: f64,
     length: u64,
@@ -340,4 +329,23 @@ enum Next {
     Goes(Particle),
     Ended { probability: f64 },
     Lost,
+}
+
+/// Runs chunks of walks in parallel, and hands what they give over in the order of the walks. `group` chunks at a time, so
+/// that what waits fits into memory.
+pub(super) fn in_order<T: Send>(
+    first: u64,
+    count: u64,
+    group: usize,
+    chunk: impl Fn(Range<u64>) -> Result<T, WalkError> + Sync,
+    mut take: impl FnMut(T),
+) -> Result<(), WalkError> {
+    let chunks = count.div_ceil(CHUNK);
+    let walks = |chunk: u64| first + chunk * CHUNK..first + count.min((chunk + 1) * CHUNK);
+    for start in (0..chunks).step_by(group) {
+        let range = start..chunks.min(start + group as u64);
+        let found: Result<Vec<T>, WalkError> = range.into_par_iter().map(|c| chunk(walks(c))).collect();
+        found?.into_iter().for_each(&mut take);
+    }
+    Ok(())
 }

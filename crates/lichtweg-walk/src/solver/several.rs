@@ -1,0 +1,164 @@
+//! Several functionals at once: which share their work, and which go alone.
+
+use std::time::Instant;
+
+use super::walking::{interval, report};
+use super::{Answer, Entries, Functional, Method, Options, PILOT_SEED, Refusal, Solver};
+use crate::stopping::{Estimate, Interval, PILOT, estimate};
+use crate::walk::{Tally, Targets, Walker};
+
+impl Solver<'_> {
+    /// Several functionals, each with the confidence asked for by itself.
+    ///
+    /// # Errors
+    /// As [`Solver::solve`], for the first that fails.
+    pub fn solve_each(&self, functionals: &[Functional], options: &Options) -> Result<Vec<Answer>, Refusal> {
+        let began = Instant::now();
+        let targets: Result<Vec<Entries>, Refusal> =
+            functionals.iter().map(|functional| functional.entries(self.system.unknowns())).collect();
+        let targets = targets?;
+        let zero = |target: &Entries| self.system.summary().sources == 0 || target.is_empty();
+        let asked: Vec<Entries> = targets.iter().filter(|target| !zero(target)).cloned().collect();
+        let mut found = self.by(options.method, &asked, options)?.into_iter();
+        let seconds = began.elapsed().as_secs_f64();
+        let mut answers = Vec::with_capacity(targets.len());
+        for target in &targets {
+            let answer = if zero(target) {
+                Some(Answer::exact(0.0, "the source vector or the functional is zero, and so is the answer"))
+            } else {
+                found.next()
+            };
+            answers.extend(answer);
+        }
+        if let [answer] = &mut answers[..] {
+            answer.seconds = seconds;
+        }
+        Ok(answers)
+    }
+
+    /// By one method.
+    fn by(&self, method: Method, targets: &[Entries], options: &Options) -> Result<Vec<Answer>, Refusal> {
+        if targets.is_empty() {
+            return Ok(Vec::new());
+        }
+        match method {
+            Method::Auto => self.plan(targets, options),
+            Method::Forward if targets.len() > 1 && can_share(options) => {
+                self.check_convergence()?;
+                timed(|| self.forward(targets, options))
+            }
+            Method::Deterministic => timed(|| self.deterministic(targets, &options.goal)),
+            Method::Direct => timed(|| self.direct(targets, &options.goal)),
+            Method::Sequential => timed(|| self.sequential(targets, options)),
+            _ => targets.iter().map(|target| self.alone(method, target, options)).collect(),
+        }
+    }
+
+    /// One functional by a method that serves no others.
+    fn alone(&self, method: Method, target: &Entries, options: &Options) -> Result<Answer, Refusal> {
+        self.check_convergence()?;
+        let began = Instant::now();
+        let answer = match method {
+            Method::Push => self.push(target, options),
+            Method::Bidirectional | Method::PushWalk => self.push_and_walk(method, target, options),
+            _ => {
+                let side = self.side(method == Method::Forward, target, None, options)?;
+                self.walk_side(method, side.as_ref(), 0.0, 0, options)
+            }
+        }?;
+        Ok(Answer { seconds: began.elapsed().as_secs_f64(), ..answer })
+    }
+
+    /// One set of forward walks for all targets, until the last of them is known.
+    pub(super) fn forward(&self, targets: &[Entries], options: &Options) -> Result<Vec<Answer>, Refusal> {
+        let pilot = self.joint_pilot(targets, options, PILOT)?;
+        if pilot.iter().any(|tally| tally.nonzero == 0) {
+            let reached = self.reached(targets, options)?;
+            if reached.contains(&false) {
+                return self.forward_where(&reached, targets, options);
+            }
+        }
+        let pilot_steps = pilot.first().map_or(0, |tally| tally.steps);
+        let found = self.with_joint_walks(targets, options, |walker, weighted| {
+            let walk = |first, count| walker.tally_all(weighted, options.seed, first, count);
+            let (goal, most) = (&options.goal, options.most_steps);
+            Ok(estimate(&pilot, 0.0, goal, Interval::Student, most, walk)?)
+        })?;
+        let answer = |found: &Estimate| {
+            let answer = report(Method::Forward, 0.0, 0, pilot_steps, found)?;
+            Ok(Answer { shared: targets.len(), ..answer })
+        };
+        found.iter().flatten().map(answer).collect()
+    }
+
+    /// The same, without targets where nothing can come.
+    fn forward_where(
+        &self,
+        reached: &[bool],
+        targets: &[Entries],
+        options: &Options,
+    ) -> Result<Vec<Answer>, Refusal> {
+        let kept: Vec<Entries> =
+            targets.iter().zip(reached).filter(|&(_, &reached)| reached).map(|(t, _)| t.clone()).collect();
+        let mut found = if kept.is_empty() { Vec::new() } else { self.forward(&kept, options)? }.into_iter();
+        let zero = || Answer::exact(0.0, "nothing comes here from the source vector");
+        Ok(reached.iter().filter_map(|&reached| if reached { found.next() } else { Some(zero()) }).collect())
+    }
+
+    /// A pilot of forward walks for all targets.
+    pub(super) fn joint_pilot(
+        &self,
+        targets: &[Entries],
+        options: &Options,
+        walks: u64,
+    ) -> Result<Vec<Tally>, Refusal> {
+        let pilot = self.with_joint_walks(targets, options, |walker, weighted| {
+            Ok(walker.tally_all(weighted, options.seed ^ PILOT_SEED, 0, walks)?)
+        })?;
+        Ok(pilot.unwrap_or_default())
+    }
+
+    /// Does something with forward walks that score for all targets; `None` where nothing starts.
+    fn with_joint_walks<T>(
+        &self,
+        targets: &[Entries],
+        options: &Options,
+        act: impl FnOnce(&Walker<'_>, &Targets) -> Result<T, Refusal>,
+    ) -> Result<Option<T>, Refusal> {
+        let mut states: Vec<usize> = targets.iter().flatten().map(|&(i, _)| i).collect();
+        states.sort_unstable();
+        states.dedup();
+        let ones: Entries = states.into_iter().map(|i| (i, 1.0)).collect();
+        let Some(side) = self.side(true, &ones, None, options)? else { return Ok(None) };
+        interval(&side, options)?;
+        // What a visit scores in the coordinates of the side, for a weight of one.
+        let weigh = |target: &Entries| target.iter().map(|&(i, g)| (i, g * side.score_of(i))).collect();
+        let weighted: Vec<Entries> = targets.iter().map(weigh).collect();
+        let weighted = Targets::new(self.system.unknowns(), &weighted);
+        let kernel = side.kernel(options);
+        let walker = side.walker(&kernel, options)?;
+        act(&walker, &weighted).map(Some)
+    }
+
+    /// Whether forward walks can come to each target.
+    fn reached(&self, targets: &[Entries], options: &Options) -> Result<Vec<bool>, Refusal> {
+        let ones: Entries = targets.iter().flatten().map(|&(i, _)| (i, 1.0)).collect();
+        let seen = self.side(true, &ones, None, options)?.map(|side| side.reachable()).unwrap_or_default();
+        let reached = |i: usize| seen.get(i).is_some_and(|&seen| seen);
+        Ok(targets.iter().map(|target| target.iter().any(|&(i, _)| reached(i))).collect())
+    }
+}
+
+/// Whether walks may score for several functionals: what belongs to one alone is kept for one alone.
+pub(super) fn can_share(options: &Options) -> bool {
+    !options.lengths && !options.quasi && !options.rigorous
+}
+
+/// Tells all answers how long their common work took.
+pub(super) fn timed(work: impl FnOnce() -> Result<Vec<Answer>, Refusal>) -> Result<Vec<Answer>, Refusal> {
+    let began = Instant::now();
+    let mut answers = work()?;
+    let seconds = began.elapsed().as_secs_f64();
+    answers.iter_mut().for_each(|answer| answer.seconds = seconds);
+    Ok(answers)
+}
