@@ -13,7 +13,7 @@ use lichtweg_ray::wide::Row;
 use super::LightSample;
 use crate::bsdf::Frame;
 use crate::color::Spectrum;
-use crate::scene::{Form, Place, QuadricForm, Scene, SurfacePoint, offset};
+use crate::scene::{Form, MeshForm, Place, QuadricForm, Scene, SurfacePoint, offset};
 use crate::texture::{Input, TextureArena};
 
 /// An emitting shape.
@@ -106,10 +106,16 @@ impl AreaLight {
         }
     }
 
-    /// See [`Light::sample`](super::Light::sample); with the point on the light.
+    /// See [`Light::sample_part`](super::Light::sample_part); with the point on the light.
     #[inline]
-    pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<(LightSample, SurfacePoint)> {
-        let (point, measure) = self.sample_point(from, u, scene.form(self.shape))?;
+    pub fn sample(
+        &self,
+        from: Vec3,
+        triangle: Option<u32>,
+        u: [f32; 2],
+        scene: &Scene,
+    ) -> Option<(LightSample, SurfacePoint)> {
+        let (point, measure) = self.sample_point(from, triangle, u, scene.form(self.shape))?;
         let to_light = point.position - from;
         let distance_squared = to_light.length_squared();
         let direction = to_light * (1.0 / distance_squared.sqrt());
@@ -135,9 +141,7 @@ impl AreaLight {
     pub(super) fn point_by_area(&self, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, f32)> {
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) => {
-                let pick = table.sample(u[0]);
-                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
-                Some((mesh.point(self.shape, pick.index as u32, b, c), 1.0 / area))
+                Some((self.triangle_point(None, u, table, mesh), 1.0 / area))
             }
             (_, Form::Quadric(quadric)) => {
                 let point = quadric_point(quadric, self.shape, u);
@@ -146,6 +150,20 @@ impl AreaLight {
             }
             _ => None,
         }
+    }
+
+    /// A point that is even over a triangle, or over all of them.
+    #[inline(always)]
+    fn triangle_point(
+        &self,
+        triangle: Option<u32>,
+        [u, v]: [f32; 2],
+        table: &AliasTable,
+        mesh: &MeshForm,
+    ) -> SurfacePoint {
+        let (triangle, remapped) = pick_or(triangle, u, table);
+        let [_, b, c] = warp::uniform_triangle([remapped, v]);
+        mesh.point(self.shape, triangle, b, c)
     }
 
     /// Density per area of [`AreaLight::point_by_area`].
@@ -172,21 +190,32 @@ impl AreaLight {
         (!has_holes).then_some(row)
     }
 
-    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers.
+    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers, if it was not told which.
     #[inline]
-    pub(crate) fn pick_triangle<'a>(&'a self, u: f32, form: &'a Form) -> Option<TrianglePick<'a>> {
+    pub(crate) fn pick_triangle<'a>(
+        &'a self,
+        triangle: Option<u32>,
+        u: f32,
+        form: &'a Form,
+    ) -> Option<TrianglePick<'a>> {
         let (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) = (&self.sampling, form) else {
             return None;
         };
         let emission = self.row.as_ref()?;
-        let pick = table.sample(u);
-        Some(TrianglePick { facet: mesh.row(pick.index as u32), emission, remapped: pick.remapped })
+        let (triangle, remapped) = pick_or(triangle, u, table);
+        Some(TrianglePick { facet: mesh.row(triangle), emission, remapped })
     }
 
     #[inline(always)]
-    fn sample_point(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
-        if let EmissionSampling::Triangles { .. } = self.sampling {
-            return self.point_by_area(u, form).map(|(point, pdf)| (point, Measure::Area(pdf)));
+    fn sample_point(
+        &self,
+        from: Vec3,
+        triangle: Option<u32>,
+        u: [f32; 2],
+        form: &Form,
+    ) -> Option<(SurfacePoint, Measure)> {
+        if let (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) = (&self.sampling, form) {
+            return Some((self.triangle_point(triangle, u, table, mesh), Measure::Area(1.0 / area)));
         }
         self.sample_quadric(from, u, form)
     }
@@ -253,6 +282,18 @@ impl AreaLight {
 fn sphere_uv(p: Vec3) -> Vec2 {
     let azimuth = p.y.atan2(p.x) / TAU;
     Vec2::new(azimuth - azimuth.floor(), 1.0 - p.normalized().z.clamp(-1.0, 1.0).acos() / PI)
+}
+
+/// A triangle, which is chosen where it is not given, and what is left of the random number.
+#[inline(always)]
+fn pick_or(triangle: Option<u32>, u: f32, table: &AliasTable) -> (u32, f32) {
+    match triangle {
+        Some(triangle) => (triangle, u),
+        None => {
+            let pick = table.sample(u);
+            (pick.index as u32, pick.remapped)
+        }
+    }
 }
 
 /// A density, and what it is a density of.

@@ -1,5 +1,6 @@
 //! Scenes: the neutral description, and what it compiles to.
 
+mod candidate;
 mod compile;
 mod curve;
 pub mod description;
@@ -12,7 +13,7 @@ use lichtweg_ray::math::{Bounds3, Vec3};
 use lichtweg_ray::{Accel, BuildReport, Hit, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightSelection, Surroundings, TrianglePick};
+use crate::light::{AreaLight, Environment, Light, LightChoice, LightSelection, Surroundings, TrianglePick};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
@@ -113,9 +114,11 @@ impl Scene {
 
     /// A triangle of a light, see [`AreaLight::pick_triangle`]; `None` for other lights.
     #[inline]
-    pub(crate) fn pick_triangle(&self, light: u32, u: f32) -> Option<TrianglePick<'_>> {
-        match &self.lights[light as usize] {
-            Light::Area(light) => light.pick_triangle(u, &self.shapes[light.shape as usize].form),
+    pub(crate) fn pick_triangle(&self, choice: &LightChoice, u: f32) -> Option<TrianglePick<'_>> {
+        match &self.lights[choice.light as usize] {
+            Light::Area(light) => {
+                light.pick_triangle(choice.triangle, u, &self.shapes[light.shape as usize].form)
+            }
             _ => None,
         }
     }

@@ -13,7 +13,7 @@ use super::draws::Draws;
 use super::queue::{ConnectionLanes, WalkLanes};
 use super::vector::{Spectra, Vector};
 use super::{PathObserver, Step, lanes_of};
-use crate::light::TrianglePick;
+use crate::light::{LightChoice, Receiver, TrianglePick};
 use crate::scene::description::{Heuristic, LightStrategy};
 use crate::scene::{Diffuse, Facets, Form};
 use crate::transport::path::SHADOW_END;
@@ -59,6 +59,16 @@ fn load_vector<W: Wide>(v: &[Lanes<f32>; 3]) -> Vector<W::F32> {
 #[inline(always)]
 fn load_spectra<W: Wide>(s: &[Lanes<f32>; 4]) -> Spectra<W::F32> {
     Spectra([W::F32::load(&s[0]), W::F32::load(&s[1]), W::F32::load(&s[2]), W::F32::load(&s[3])])
+}
+
+#[inline(always)]
+fn lanes_of_vector<W: Wide>(v: Vector<W::F32>) -> [Lanes<f32>; 3] {
+    [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
+}
+
+#[inline(always)]
+fn vector_at(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
+    Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane])
 }
 
 #[inline(always)]
@@ -274,6 +284,12 @@ impl<O: PathObserver> Step<'_, O> {
         walks.departure = points.position;
         walks.departure_pdf = if connects { pdf } else { splat(super::queue::NO_PDF) };
         walks.dimension = draws.dimension;
+        if self.scene.selection().is_by_place() {
+            let (normals, path) = (lanes_of_vector::<W>(points.normal), walks.path.to_lanes());
+            for lane in lanes_of(alive.bits()) {
+                self.wave.paths.normal[path.0[lane] as usize] = vector_at(&normals, lane);
+            }
+        }
         self.wave.next.append(&walks, alive);
     }
 
@@ -295,15 +311,18 @@ impl<O: PathObserver> Step<'_, O> {
         let (mut remapped, mut probability) = (zeros, zeros);
         let mut triangles = 0;
         let mut others = 0;
-        let mut choices = [0; LANES];
-        let p = points.position;
-        let position = [p.x.to_lanes(), p.y.to_lanes(), p.z.to_lanes()];
+        let mut choices = [None; LANES];
+        let (positions, normals) =
+            (lanes_of_vector::<W>(points.position), lanes_of_vector::<W>(points.normal));
         for lane in lanes_of(fast) {
-            let from = Vec3::new(position[0].0[lane], position[1].0[lane], position[2].0[lane]);
-            let Some((index, p)) = scene.selection().sample(from, u_light.0[lane]) else { continue };
-            choices[lane] = index;
-            probability.0[lane] = p;
-            match scene.pick_triangle(index, u0.0[lane]) {
+            let to = Receiver { position: vector_at(&positions, lane), normal: vector_at(&normals, lane) };
+            choices[lane] = scene.selection().sample(&to, u_light.0[lane]);
+        }
+        // In a loop of its own: what it waits for from memory, it waits for together.
+        for lane in lanes_of(fast) {
+            let Some(choice) = &choices[lane] else { continue };
+            probability.0[lane] = choice.probability;
+            match scene.pick_triangle(choice, u0.0[lane]) {
                 Some(TrianglePick { facet, emission, remapped: u }) => {
                     triangles |= 1 << lane;
                     facets[lane] = facet;
@@ -375,24 +394,22 @@ impl<O: PathObserver> Step<'_, O> {
     fn other_lights<W: Wide>(
         &self,
         points: &Points<W>,
-        choices: &[u32; LANES],
+        choices: &[Option<LightChoice>; LANES],
         u: [&Lanes<f32>; 2],
         lanes: u32,
         out: &mut LightLanes<W>,
     ) {
-        let p = points.position;
-        let position = [p.x.to_lanes(), p.y.to_lanes(), p.z.to_lanes()];
+        let position = lanes_of_vector::<W>(points.position);
         let mut direction = [Lanes::splat(0.0); 3];
         let mut target = direction;
         let mut radiance = [Lanes::splat(0.0); 4];
         let mut pdf = Lanes::splat(1.0);
         let (mut valid, mut near, mut delta) = (0, 0, 0);
         for lane in lanes_of(lanes) {
-            let from = Vec3::new(position[0].0[lane], position[1].0[lane], position[2].0[lane]);
-            let light = &self.scene.lights()[choices[lane] as usize];
-            let Some(sample) = light.sample(from, [u[0].0[lane], u[1].0[lane]], self.scene) else {
-                continue;
-            };
+            let Some(choice) = &choices[lane] else { continue };
+            let light = &self.scene.lights()[choice.light as usize];
+            let (from, u) = (vector_at(&position, lane), [u[0].0[lane], u[1].0[lane]]);
+            let Some((sample, _)) = light.sample_part(from, choice.triangle, u, self.scene) else { continue };
             valid |= 1 << lane;
             set_vector(&mut direction, lane, sample.direction);
             if let Some(point) = sample.target {

@@ -206,6 +206,7 @@ impl<O: PathObserver> Step<'_, O> {
         }
         if arrival.goes_on {
             wave.paths.eta[path as usize] = walk.eta;
+            wave.paths.normal[path as usize] = walk.departure.normal;
             wave.next.push(&walk, path);
         }
     }
