@@ -77,7 +77,7 @@ def gains(options, folder):
     for name, scene in [("over a floor", floor(options.size, 10_000)), ("in a room", room(options.size, 10_000, 10_000, False))]:
         path = folder / f"gain-{name.replace(' ', '-')}.pbrt"
         path.write_text(scene)
-        ways = [(path, ["--integrator", f"path:lights={way}"]) for way in ("power", "tree")]
+        ways = [(path, ["--integrator", f"path:hide_emitters=true,lights={way}"]) for way in ("power", "tree")]
         by_power, by_place = rounds(options, ways)
         seconds = statistics.median(by_place) / statistics.median(by_power)
         power, place = (variance(options, path, way, folder) for _, way in ways)

@@ -63,6 +63,8 @@ struct Part {
     triangle: Option<u32>,
     /// One over its share of the light's area.
     inverse_share: f32,
+    /// Its share of the power of all.
+    power_share: f32,
 }
 
 /// Share of the uniform choice.
@@ -110,6 +112,33 @@ impl LightSelection {
         }
     }
 
+    /// The same for some receivers at a time, those that have a number.
+    #[inline(always)]
+    pub fn sample_many<const N: usize>(
+        &self,
+        to: &[Receiver; N],
+        u: &[Option<f32>; N],
+    ) -> [Option<LightChoice>; N] {
+        let Some(table) = &self.table else { return [None; N] };
+        let mut choices = [None; N];
+        let mut asking = [None; N];
+        for ((choice, asks), u) in choices.iter_mut().zip(&mut asking).zip(u) {
+            let Some(u) = *u else { continue };
+            let pick = table.sample(u);
+            match &self.places {
+                Some(places) if pick.index as u32 == places.entry => *asks = Some(pick.remapped),
+                _ => {
+                    *choice =
+                        Some(LightChoice { light: pick.index as u32, triangle: None, probability: pick.pmf })
+                }
+            }
+        }
+        if let Some(places) = &self.places {
+            places.sample_many(to, &asking, &mut choices);
+        }
+        choices
+    }
+
     /// [`LightChoice::probability`] of a point on a light: on a triangle, if the light is made of such.
     #[inline]
     pub fn probability(&self, to: &Receiver, light: u32, triangle: u32) -> f32 {
@@ -151,6 +180,7 @@ impl Places {
                 parts.push(Part {
                     light: number,
                     triangle,
+                    power_share: 0.0,
                     inverse_share: if *share > 0.0 { 1.0 / share } else { 0.0 },
                 });
                 bounds.push(*part);
@@ -158,6 +188,7 @@ impl Places {
             }
         }
         let by_power = AliasTable::new(&powers).ok()?;
+        parts.iter_mut().enumerate().for_each(|(i, part)| part.power_share = by_power.pmf(i));
         Some(Self {
             tree: LightTree::new(&bounds),
             by_power,
@@ -170,30 +201,76 @@ impl Places {
 
     #[inline]
     fn sample(&self, to: &Receiver, u: f32) -> Option<LightChoice> {
-        let u = f64::from(u);
-        let (part, share, by_tree) = if u < POWER_SHARE {
-            let pick = self.by_power.sample_f64(u / POWER_SHARE);
-            (pick.index as u32, pick.pmf, self.tree.probability(to, pick.index as u32))
-        } else {
-            let (part, by_tree) = self.tree.sample(to, (u - POWER_SHARE) / (1.0 - POWER_SHARE))?;
-            (part, self.by_power.pmf(part as usize), by_tree)
-        };
-        let Part { light, triangle, inverse_share } = self.parts[part as usize];
-        let probability = self.mix(share, by_tree) * inverse_share;
-        Some(LightChoice { light, triangle, probability })
+        match Ask::new(u) {
+            Ask::Power(u) => Some(self.sample_by_power(to, u)),
+            Ask::Tree(u) => self.tree.sample(to, u).map(|end| self.choice(end)),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_many<const N: usize>(
+        &self,
+        to: &[Receiver; N],
+        u: &[Option<f32>; N],
+        choices: &mut [Option<LightChoice>; N],
+    ) {
+        let mut asking = [None; N];
+        for (((choice, asks), to), u) in choices.iter_mut().zip(&mut asking).zip(to).zip(u) {
+            match u.map(Ask::new) {
+                Some(Ask::Power(u)) => *choice = Some(self.sample_by_power(to, u)),
+                Some(Ask::Tree(u)) => *asks = Some(u),
+                None => {}
+            }
+        }
+        let ends = self.tree.sample_many(to, &asking);
+        for (choice, end) in choices.iter_mut().zip(ends) {
+            if let Some(end) = end {
+                *choice = Some(self.choice(end));
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn sample_by_power(&self, to: &Receiver, u: f64) -> LightChoice {
+        let part = self.by_power.sample_f64(u).index as u32;
+        self.choice((part, self.tree.probability(to, part)))
+    }
+
+    /// A part with its probability in the tree.
+    #[inline]
+    fn choice(&self, (part, by_tree): (u32, f32)) -> LightChoice {
+        let part = &self.parts[part as usize];
+        let probability = self.probability_of(part, by_tree);
+        LightChoice { light: part.light, triangle: part.triangle, probability }
     }
 
     #[inline]
     fn probability(&self, to: &Receiver, light: u32, triangle: u32) -> f32 {
         let Some(part) = self.first[light as usize].map(|first| first + triangle) else { return 0.0 };
-        let by_tree = self.tree.probability(to, part);
-        self.mix(self.by_power.pmf(part as usize), by_tree) * self.parts[part as usize].inverse_share
+        self.probability_of(&self.parts[part as usize], self.tree.probability(to, part))
     }
 
     #[inline]
-    fn mix(&self, by_power: f32, by_tree: f32) -> f32 {
+    fn probability_of(&self, part: &Part, by_tree: f32) -> f32 {
         const SHARE: f32 = POWER_SHARE as f32;
-        self.probability * (SHARE * by_power + (1.0 - SHARE) * by_tree)
+        self.probability * (SHARE * part.power_share + (1.0 - SHARE) * by_tree) * part.inverse_share
+    }
+}
+
+/// How a part is chosen, and what is left of the random number.
+enum Ask {
+    Power(f64),
+    Tree(f64),
+}
+
+impl Ask {
+    #[inline]
+    fn new(u: f32) -> Self {
+        let u = f64::from(u);
+        match u < POWER_SHARE {
+            true => Self::Power(u / POWER_SHARE),
+            false => Self::Tree((u - POWER_SHARE) / (1.0 - POWER_SHARE)),
+        }
     }
 }
 

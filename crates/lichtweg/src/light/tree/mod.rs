@@ -24,6 +24,27 @@ pub(super) struct LightTree {
     places: Vec<u32>,
 }
 
+/// On the way from the root to a leaf.
+#[derive(Clone, Copy)]
+struct Descent {
+    node: u32,
+    /// What is left of the random number.
+    u: f64,
+    probability: f32,
+}
+
+impl Descent {
+    fn new(u: f64) -> Self {
+        Self { node: 0, u, probability: 1.0 }
+    }
+}
+
+enum Step {
+    Down(Descent),
+    /// A leaf and its probability, or nothing that can shine on the receiver.
+    End(Option<(u32, f32)>),
+}
+
 impl LightTree {
     /// Over leaves by their number; those that are dark are left out.
     pub fn new(leaves: &[LightBounds]) -> Self {
@@ -42,30 +63,65 @@ impl LightTree {
 
     /// A leaf for a receiver by a uniform number, and the probability of its choice; `None` where none can shine on it.
     #[inline]
-    pub fn sample(&self, to: &Receiver, mut u: f64) -> Option<(u32, f32)> {
-        let (mut node, mut probability) = (self.nodes.first()?, 1.0);
+    pub fn sample(&self, to: &Receiver, u: f64) -> Option<(u32, f32)> {
+        let mut at = Descent::new(u);
         loop {
-            let importances = node.importances(to);
-            let mut sums = importances;
-            for i in 1..WIDTH {
-                sums[i] += sums[i - 1];
+            match self.step(at, to) {
+                Step::Down(below) => at = below,
+                Step::End(end) => return end,
             }
-            let total = sums[WIDTH - 1];
-            if total <= 0.0 {
-                return None;
+        }
+    }
+
+    /// The same for some receivers at a time, level by level: what they wait for from memory, they wait for together.
+    #[inline(always)]
+    pub fn sample_many<const N: usize>(
+        &self,
+        to: &[Receiver; N],
+        u: &[Option<f64>; N],
+    ) -> [Option<(u32, f32)>; N] {
+        let mut ends = [None; N];
+        let mut walks = u.map(|u| u.map(Descent::new));
+        while walks.iter().any(Option::is_some) {
+            for ((walk, to), end) in walks.iter_mut().zip(to).zip(&mut ends) {
+                let Some(at) = *walk else { continue };
+                *walk = match self.step(at, to) {
+                    Step::Down(below) => Some(below),
+                    Step::End(leaf) => {
+                        *end = leaf;
+                        None
+                    }
+                };
             }
-            let target = u * f64::from(total);
-            let slot =
-                sums[..WIDTH - 1].iter().map(|&sum| usize::from(f64::from(sum) <= target)).sum::<usize>();
-            probability *= importances[slot] / total;
-            match node.child(slot).resolve() {
-                Ok(leaf) => return Some((leaf, probability)),
-                Err(below) => {
-                    let low = if slot == 0 { 0.0 } else { f64::from(sums[slot - 1]) };
-                    // Below one, but for rounding.
-                    u = ((target - low) / (f64::from(sums[slot]) - low)).min(1.0 - f64::EPSILON);
-                    node = &self.nodes[below as usize];
-                }
+            let touched =
+                walks.iter().flatten().fold(0, |all, at| all ^ self.nodes[at.node as usize].touch());
+            std::hint::black_box(touched);
+        }
+        ends
+    }
+
+    #[inline(always)]
+    fn step(&self, at: Descent, to: &Receiver) -> Step {
+        let Some(node) = self.nodes.get(at.node as usize) else { return Step::End(None) };
+        let importances = node.importances(to);
+        let mut sums = importances;
+        for i in 1..WIDTH {
+            sums[i] += sums[i - 1];
+        }
+        let total = sums[WIDTH - 1];
+        if total <= 0.0 {
+            return Step::End(None);
+        }
+        let target = at.u * f64::from(total);
+        let slot = sums[..WIDTH - 1].iter().map(|&sum| usize::from(f64::from(sum) <= target)).sum::<usize>();
+        let probability = at.probability * (importances[slot] / total);
+        match node.child(slot).resolve() {
+            Ok(leaf) => Step::End(Some((leaf, probability))),
+            Err(node) => {
+                let low = if slot == 0 { 0.0 } else { f64::from(sums[slot - 1]) };
+                // Below one, but for rounding.
+                let u = ((target - low) / (f64::from(sums[slot]) - low)).min(1.0 - f64::EPSILON);
+                Step::Down(Descent { node, u, probability })
             }
         }
     }

@@ -139,6 +139,12 @@ impl Node {
         self.children[slot]
     }
 
+    /// Reads something of each of its cache lines, so that they are on their way.
+    #[inline(always)]
+    pub fn touch(&self) -> u32 {
+        u32::from(self.centers[0][0]) ^ u32::from(self.radii[0]) ^ self.parent
+    }
+
     /// What the children may give to a receiver, relative to each other; zero of what certainly cannot.
     ///
     /// intensity cos(t) cos(t') / max(d^2, r^2), with t the smallest angle at which light can leave the sphere towards the receiver,

@@ -311,14 +311,13 @@ impl<O: PathObserver> Step<'_, O> {
         let (mut remapped, mut probability) = (zeros, zeros);
         let mut triangles = 0;
         let mut others = 0;
-        let mut choices = [None; LANES];
         let (positions, normals) =
             (lanes_of_vector::<W>(points.position), lanes_of_vector::<W>(points.normal));
-        for lane in lanes_of(fast) {
-            let to = Receiver { position: vector_at(&positions, lane), normal: vector_at(&normals, lane) };
-            choices[lane] = scene.selection().sample(&to, u_light.0[lane]);
-        }
-        // In a loop of its own: what it waits for from memory, it waits for together.
+        let receiver =
+            |lane| Receiver { position: vector_at(&positions, lane), normal: vector_at(&normals, lane) };
+        let receivers: [Receiver; LANES] = std::array::from_fn(receiver);
+        let numbers = std::array::from_fn(|lane| (fast >> lane & 1 != 0).then_some(u_light.0[lane]));
+        let choices = scene.selection().sample_many(&receivers, &numbers);
         for lane in lanes_of(fast) {
             let Some(choice) = &choices[lane] else { continue };
             probability.0[lane] = choice.probability;
