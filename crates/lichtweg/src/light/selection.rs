@@ -73,8 +73,12 @@ const UNIFORM_SHARE: f64 = 0.5;
 /// Share of the choice by power where there is a tree, which knows nothing of occlusion.
 const POWER_SHARE: f64 = 0.1;
 
-/// Parts at finite places that are worth a tree.
-const MANY: usize = 16;
+/// Lights at finite places that are worth a tree, however few their parts: from the third on, what the choice by place costs (a tenth
+/// to a fifth of a path) is less than what it gains.
+const MANY_LIGHTS: usize = 3;
+
+/// Parts at finite places that are worth a tree, even of a single light.
+const MANY_PARTS: usize = 16;
 
 impl LightSelection {
     /// Over lights by their number; those without power are never chosen.
@@ -86,18 +90,19 @@ impl LightSelection {
             LightChoiceKind::Power => 0.0,
             LightChoiceKind::Auto | LightChoiceKind::Tree => UNIFORM_SHARE,
         };
-        let parts: usize = lights.iter().filter(|l| l.power > 0.0).map(|l| l.parts.len()).sum();
-        let least = match kind {
-            LightChoiceKind::Auto => MANY,
-            LightChoiceKind::Tree => 1,
-            LightChoiceKind::Uniform | LightChoiceKind::Power => usize::MAX,
+        let placed = || lights.iter().filter(|l| l.power > 0.0 && !l.parts.is_empty());
+        let parts: usize = placed().map(|l| l.parts.len()).sum();
+        let by_place = match kind {
+            LightChoiceKind::Auto => placed().count() >= MANY_LIGHTS || parts >= MANY_PARTS,
+            LightChoiceKind::Tree => parts > 0,
+            LightChoiceKind::Uniform | LightChoiceKind::Power => false,
         };
-        if parts < least {
+        if !by_place {
             return Self { table: mixed(&powers, uniform), places: None, by_power };
         }
-        let placed: f32 = lights.iter().filter(|l| !l.parts.is_empty()).map(|l| l.power).sum();
+        let power_of_placed: f32 = placed().map(|l| l.power).sum();
         let outside = lights.iter().map(|l| if l.parts.is_empty() { l.power } else { 0.0 });
-        let table = mixed(&outside.chain([placed]).collect::<Vec<_>>(), uniform);
+        let table = mixed(&outside.chain([power_of_placed]).collect::<Vec<_>>(), uniform);
         let places = table.as_ref().and_then(|table| Places::new(lights, table.pmf(lights.len())));
         Self { table, places, by_power }
     }

@@ -13,6 +13,7 @@ use lichtweg::scene::description::{Description, Diagnostics};
 use lichtweg::scene::{RayCounts, Scatterer, Scene, SurfacePoint};
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::Ray;
+use lichtweg_ray::math::Vec3;
 use rayon::prelude::*;
 
 /// A mistake.
