@@ -112,13 +112,17 @@ fn render(args: &RenderArgs, console: Console) -> Result<(), Failure> {
     let statistics_saved = outputs.save_statistics(&record.json(&written));
     record.dropped_warning().iter().for_each(tell);
     if interrupted {
-        let samples = rendering.statistics.samples_per_pixel;
-        console.say(&format!(
-            "stopped early: the image has {} per pixel",
-            text::plural(samples.into(), "sample")
-        ));
+        console.say(&format!("stopped early: the image has {} per pixel", record.samples()));
     }
     console.say(&record.summary());
+    if let Some(panic) = &rendering.panic {
+        tell(format_args!(
+            "error: a thread panicked ({panic}), which is a mistake in the program\n = help: what was rendered before is \
+             saved; {} per pixel",
+            record.samples()
+        ));
+        return Err(Failure::Quiet(1));
+    }
     if images_saved && statistics_saved { Ok(()) } else { Err(Failure::Quiet(1)) }
 }
 
