@@ -7,7 +7,7 @@ use lichtweg_ray::math::{Bounds3, Vec3};
 use super::Shape;
 use super::surface::{Form, MeshForm};
 use crate::light::{AreaLight, Candidate, Light, LightBounds, Spot};
-use crate::texture::TextureArena;
+use crate::texture::{Input, TextureArena};
 
 /// A light, for the choice among all; the scene has this radius.
 pub(super) fn candidate(
@@ -29,7 +29,7 @@ pub(super) fn candidate(
         }
         Light::Area(l) => match &shapes[l.shape as usize].form {
             Form::Mesh(mesh) => {
-                let parts = triangles(l, mesh, power);
+                let parts = triangles(l, mesh, textures, power);
                 Candidate { power, parts, in_triangles: true }
             }
             form => {
@@ -54,7 +54,12 @@ fn spot(light: &Spot) -> LightBounds {
 }
 
 /// The triangles of a mesh, with their shares of its area.
-fn triangles(light: &AreaLight, mesh: &MeshForm, power: f32) -> Vec<(LightBounds, f32)> {
+fn triangles(
+    light: &AreaLight,
+    mesh: &MeshForm,
+    textures: &TextureArena,
+    power: f32,
+) -> Vec<(LightBounds, f32)> {
     let count = mesh.triangles.len() as u32;
     let area: f64 = (0..count).map(|i| f64::from(mesh.area(i))).sum();
     let sides = if light.two_sided { 2.0 } else { 1.0 };
@@ -67,11 +72,28 @@ fn triangles(light: &AreaLight, mesh: &MeshForm, power: f32) -> Vec<(LightBounds
                 axis: point.geometric_normal,
                 spread: 0.0,
                 two_sided: light.two_sided,
-                intensity: power * share / (PI * sides),
+                intensity: power * share * brightness(light, mesh, i, textures) / (PI * sides),
             };
             (bounds, share)
         })
         .collect()
+}
+
+/// About how bright a triangle is beside the mean of its light, and at least half as bright: a few looks at a texture may miss
+/// what shines.
+fn brightness(light: &AreaLight, mesh: &MeshForm, triangle: u32, textures: &TextureArena) -> f32 {
+    const LOOKS: [[f32; 2]; 4] = [[0.33, 0.33], [0.67, 0.17], [0.17, 0.67], [0.17, 0.17]];
+    let mean = textures.mean(light.radiance).max_element();
+    if matches!(light.radiance, Input::Constant(_)) || mean <= 0.0 {
+        return 1.0;
+    }
+    let look = |[u, v]: [f32; 2]| {
+        let point = mesh.point(light.shape, triangle, u, v);
+        textures.eval(light.radiance, point.uv).max_element()
+    };
+    let seen = LOOKS.map(look).iter().sum::<f32>() / (mean * LOOKS.len() as f32);
+    // Textures may hold anything.
+    if seen.is_finite() { 0.5 + 0.5 * seen.clamp(0.0, 1e3) } else { 1.0 }
 }
 
 /// Emitted power, about: for the choice of lights.
