@@ -23,6 +23,7 @@ mod radiosity;
 mod record;
 mod render;
 mod scenes;
+mod settings;
 mod setup;
 mod solve;
 mod text;

@@ -48,6 +48,7 @@ impl Record<'_> {
             ("sampler", describe_sampler(sampler.kind).to_owned()),
             ("seed", sampler.seed.to_string()),
             ("samplesPerPixel", statistics.samples_per_pixel.to_string()),
+            ("mostSamplesPerPixel", statistics.most_samples_per_pixel.to_string()),
             ("seconds", format!("{:.3}", statistics.seconds)),
             ("interrupted", self.interrupted.to_string()),
         ];
@@ -115,6 +116,7 @@ impl Record<'_> {
         let (mean, error) = self.rendering.image.mean();
         json!({
             "samples_per_pixel": statistics.samples_per_pixel,
+            "most_samples_per_pixel": statistics.most_samples_per_pixel,
             "passes": statistics.passes,
             "interrupted": self.interrupted,
             "camera_paths": statistics.paths,
@@ -135,6 +137,14 @@ impl Record<'_> {
         })
     }
 
+    /// How many samples the pixels have, in words.
+    pub fn samples(&self) -> String {
+        let statistics = &self.rendering.statistics;
+        let (least, most) = (statistics.samples_per_pixel, statistics.most_samples_per_pixel);
+        let text = text::plural(most.into(), "sample");
+        if least == most { text } else { format!("{least} to {text}") }
+    }
+
     /// A few lines for the user.
     pub fn summary(&self) -> String {
         let statistics = &self.rendering.statistics;
@@ -142,7 +152,7 @@ impl Record<'_> {
         let [r, g, b] = std::array::from_fn(|i| with_error(mean[i], error[i]));
         format!(
             "{} per pixel in {}: {} paths, {} rays, {:.2} Mrays/s\nmean radiance {r}, {g}, {b} (R, G, B)",
-            text::plural(statistics.samples_per_pixel.into(), "sample"),
+            self.samples(),
             text::seconds(statistics.seconds),
             text::count(statistics.paths),
             text::count(self.rays()),

@@ -7,20 +7,20 @@ use std::time::Duration;
 use clap::Args;
 use lichtweg::render::{Job, LayerSelection, Progress, RenderError, RenderedImage, Rendering};
 use lichtweg::scene::Scene;
-use lichtweg::scene::description::{Description, FilterDescription};
+use lichtweg::scene::description::Description;
 use lichtweg_io::image::{Layer, OutputImage, ToneMap};
 use lichtweg_io::scene_file::SceneLocation;
-use lichtweg_montecarlo::SamplerKind;
 
 use crate::console::{Console, tell};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::load::{Loader, ReadArgs, location_parser};
+use crate::load::location_parser;
 use crate::options::{self, IntegratorChoice};
 use crate::output::Outputs;
 use crate::overrides::Overrides;
 use crate::progress::{Goal, watch};
 use crate::record::Record;
+use crate::settings::SettingsArgs;
 use crate::{memory, text};
 
 const EXAMPLES: &str = "\
@@ -48,57 +48,21 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE", value_parser = options::output_parser())]
     output: Vec<PathBuf>,
 
-    /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = options::parse_spp)]
-    spp: Option<u32>,
-
     /// Render for this long; without --spp as many samples as fit
     #[arg(long, value_name = "SECONDS", value_parser = options::parse_seconds)]
     time: Option<Duration>,
-
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", value_parser = options::parse_size)]
-    size: Option<[u32; 2]>,
 
     /// Render only this part: pixels from the top left corner
     #[arg(long, value_name = "X,Y,W,H", value_parser = options::parse_crop)]
     crop: Option<[u32; 4]>,
 
     /// Estimator, with settings that differ from the scene's: path:light=naive|nee|mis, heuristic=balance|power,
-    /// rr_depth=N|off, hide_emitters=true|false; bdpt with the last three; light with the last
+    /// lights=auto|uniform|power|tree, rr_depth=N|off, hide_emitters=true|false; bdpt with the last four; light with the last
     #[arg(long, value_name = "NAME[:KEY=VALUE,...]", value_parser = options::parse_integrator)]
     integrator: Option<IntegratorChoice>,
 
-    /// Largest number of path edges: 1 emitters alone, 2 direct light, -1 no limit
-    #[arg(long, value_name = "D")]
-    max_depth: Option<MaxDepth>,
-
-    /// Reconstruction filter: box, tent, gaussian, mitchell, catmullrom or lanczos
-    #[arg(long, value_name = "NAME[:RADIUS]", value_parser = options::parse_filter)]
-    filter: Option<FilterDescription>,
-
-    /// Random numbers: independent or sobol
-    #[arg(long, value_name = "NAME", value_parser = options::parse_sampler)]
-    sampler: Option<SamplerKind>,
-
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", value_parser = options::parse_seed)]
-    seed: Option<u64>,
-
-    /// Threads; the image does not depend on it [default: all processors]
-    #[arg(long, value_name = "N", value_parser = options::parse_threads)]
-    threads: Option<usize>,
-
     #[command(flatten)]
-    read: ReadArgs,
-
-    /// Replace what is not supported, with a warning, instead of failing
-    #[arg(long)]
-    lenient: bool,
-
-    /// Say nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    settings: SettingsArgs,
 
     /// Exposure of PNG files in stops
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = options::parse_exposure)]
@@ -113,35 +77,14 @@ pub struct RenderArgs {
     stats: Option<PathBuf>,
 }
 
-/// `--max-depth`: `None` is no limit. (An own type, as clap takes an option in an option for an optional value.)
-#[derive(Clone, Copy, Debug)]
-pub struct MaxDepth(pub Option<u32>);
-
-impl std::str::FromStr for MaxDepth {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        options::parse_max_depth(text).map(Self)
-    }
-}
-
-/// Stack of a thread: readers recurse over what is nested in files.
-pub const STACK_BYTES: usize = 16 << 20;
-
 /// Renders.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.unwrap_or(0))
-        .stack_size(STACK_BYTES)
-        .build()
-        .map_err(|error| Failure::Failed(format!("the threads cannot be started: {error}")))?;
-    pool.install(|| render(args, Console::new(args.quiet)))
+    args.settings.threads()?.install(|| render(args, args.settings.console()))
 }
 
 fn render(args: &RenderArgs, console: Console) -> Result<(), Failure> {
     let mut outputs = Outputs::new(&args.output, args.stats.as_deref())?;
-    let mut loader = Loader::new(&args.scene, args.lenient, console);
-    let Some(mut description) = loader.read(&args.read.options()) else { return Err(loader.fail()) };
+    let (mut loader, mut description) = args.settings.load(&args.scene, console)?;
     args.overrides().apply(&mut description)?;
     outputs.complete(&description.name)?;
     let goal = args.goal(&description);
@@ -169,13 +112,17 @@ fn render(args: &RenderArgs, console: Console) -> Result<(), Failure> {
     let statistics_saved = outputs.save_statistics(&record.json(&written));
     record.dropped_warning().iter().for_each(tell);
     if interrupted {
-        let samples = rendering.statistics.samples_per_pixel;
-        console.say(&format!(
-            "stopped early: the image has {} per pixel",
-            text::plural(samples.into(), "sample")
-        ));
+        console.say(&format!("stopped early: the image has {} per pixel", record.samples()));
     }
     console.say(&record.summary());
+    if let Some(panic) = &rendering.panic {
+        tell(format_args!(
+            "error: a thread panicked ({panic}), which is a mistake in the program\n = help: what was rendered before is \
+             saved; {} per pixel",
+            record.samples()
+        ));
+        return Err(Failure::Quiet(1));
+    }
     if images_saved && statistics_saved { Ok(()) } else { Err(Failure::Quiet(1)) }
 }
 
@@ -184,14 +131,9 @@ impl RenderArgs {
         // Where only time is given, it alone counts.
         let unlimited = self.time.map(|_| u32::MAX);
         Overrides {
-            size: self.size,
             crop: self.crop,
-            filter: self.filter,
-            samples_per_pixel: self.spp.or(unlimited),
-            sampler: self.sampler,
-            seed: self.seed,
-            integrator: self.integrator.clone(),
-            max_depth: self.max_depth.map(|d| d.0),
+            samples_per_pixel: self.settings.spp.or(unlimited),
+            ..self.settings.overrides(self.integrator.as_ref())
         }
     }
 
@@ -201,7 +143,7 @@ impl RenderArgs {
         let [_, _, width, height] = film.crop.unwrap_or([0, 0, film.width, film.height]);
         Goal {
             pixels: u64::from(width) * u64::from(height),
-            samples_per_pixel: (self.time.is_none() || self.spp.is_some())
+            samples_per_pixel: (self.time.is_none() || self.settings.spp.is_some())
                 .then_some(description.sampler.samples_per_pixel),
             time: self.time,
         }

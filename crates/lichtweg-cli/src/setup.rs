@@ -3,16 +3,14 @@
 use clap::Args;
 use lichtweg::render::{Job, LayerSelection};
 use lichtweg::scene::Scene;
-use lichtweg::scene::description::{Description, EstimatorKind, FilterDescription};
+use lichtweg::scene::description::{Description, EstimatorKind};
 use lichtweg_io::scene_file::SceneLocation;
-use lichtweg_montecarlo::SamplerKind;
 
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::load::{Loader, ReadArgs, location_parser};
+use crate::load::location_parser;
 use crate::options::{self, IntegratorChoice};
-use crate::overrides::Overrides;
-use crate::render::{MaxDepth, STACK_BYTES};
+use crate::settings::SettingsArgs;
 
 /// A scene and settings.
 #[derive(Debug, Args)]
@@ -21,48 +19,13 @@ pub struct SetupArgs {
     #[arg(value_parser = location_parser())]
     scene: SceneLocation,
 
-    /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = options::parse_spp)]
-    spp: Option<u32>,
-
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", value_parser = options::parse_size)]
-    size: Option<[u32; 2]>,
-
-    /// Settings of bidirectional path tracing: bdpt:heuristic=balance|power, rr_depth=N|off, hide_emitters=true|false
+    /// Settings of bidirectional path tracing: bdpt:heuristic=balance|power,
+    /// lights=auto|uniform|power|tree, rr_depth=N|off, hide_emitters=true|false
     #[arg(long, value_name = "bdpt[:KEY=VALUE,...]", value_parser = options::parse_integrator)]
     integrator: Option<IntegratorChoice>,
 
-    /// Largest number of path edges: 1 emitters alone, 2 direct light, -1 no limit
-    #[arg(long, value_name = "D")]
-    max_depth: Option<MaxDepth>,
-
-    /// Reconstruction filter: box, tent, gaussian, mitchell, catmullrom or lanczos
-    #[arg(long, value_name = "NAME[:RADIUS]", value_parser = options::parse_filter)]
-    filter: Option<FilterDescription>,
-
-    /// Random numbers: independent or sobol
-    #[arg(long, value_name = "NAME", value_parser = options::parse_sampler)]
-    sampler: Option<SamplerKind>,
-
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", value_parser = options::parse_seed)]
-    seed: Option<u64>,
-
-    /// Threads; the result does not depend on it [default: all processors]
-    #[arg(long, value_name = "N", value_parser = options::parse_threads)]
-    threads: Option<usize>,
-
     #[command(flatten)]
-    read: ReadArgs,
-
-    /// Replace what is not supported, with a warning, instead of failing
-    #[arg(long)]
-    lenient: bool,
-
-    /// Say nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    settings: SettingsArgs,
 }
 
 /// A scene that is ready to be rendered.
@@ -85,29 +48,13 @@ impl SetupArgs {
         prepare: impl FnOnce(&mut Description) + Send,
         action: impl FnOnce(Setup) -> Result<(), Failure> + Send,
     ) -> Result<(), Failure> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.unwrap_or(0))
-            .stack_size(STACK_BYTES)
-            .build()
-            .map_err(|error| Failure::Failed(format!("the threads cannot be started: {error}")))?;
-        pool.install(|| action(self.compile(prepare)?))
+        self.settings.threads()?.install(|| action(self.compile(prepare)?))
     }
 
     fn compile(&self, prepare: impl FnOnce(&mut Description)) -> Result<Setup, Failure> {
-        let console = Console::new(self.quiet);
-        let mut loader = Loader::new(&self.scene, self.lenient, console);
-        let Some(mut description) = loader.read(&self.read.options()) else { return Err(loader.fail()) };
-        let overrides = Overrides {
-            size: self.size,
-            filter: self.filter,
-            samples_per_pixel: self.spp,
-            sampler: self.sampler,
-            seed: self.seed,
-            integrator: self.integrator.clone(),
-            max_depth: self.max_depth.map(|d| d.0),
-            ..Default::default()
-        };
-        overrides.apply(&mut description)?;
+        let console = self.settings.console();
+        let (mut loader, mut description) = self.settings.load(&self.scene, console)?;
+        self.settings.overrides(self.integrator.as_ref()).apply(&mut description)?;
         description.integrator.estimator = EstimatorKind::Bidirectional;
         prepare(&mut description);
         let diagnostics = &mut loader.diagnostics;

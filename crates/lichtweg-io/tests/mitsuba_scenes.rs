@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use lichtweg::scene::description::{
-    ConductorQuantity, Description, Diagnostics, FieldOfView, FilterDescription, FilterKind, FovAxis,
-    GeometryDescription, LightKind, MaterialKind, Mesh, MicrofacetKind, ShapeDescription, SourceMap,
+    ConductorQuantity, Description, Diagnostics, EstimatorKind, FieldOfView, FilterDescription, FilterKind,
+    FovAxis, GeometryDescription, LightKind, MaterialKind, Mesh, MicrofacetKind, ShapeDescription, SourceMap,
     SpectrumDescription, TextureDescription, TextureFilter, TextureInput, TextureKind, WrapMode,
 };
 use lichtweg_io::diagnostics::render;
@@ -100,6 +100,27 @@ fn integrators_count_edges() {
         None
     );
     assert_eq!(depth("<integrator type=\"direct\"/>"), Some(2));
+}
+
+#[test]
+fn walks_from_the_lights() {
+    let light = scene(
+        "<integrator type=\"ptracer\"><integer name=\"max_depth\" value=\"8\"/><integer name=\"rr_depth\" value=\"9\"/>\
+         <boolean name=\"hide_emitters\" value=\"true\"/><integer name=\"samples_per_pass\" value=\"4\"/></integrator>",
+    );
+    let light = light.integrator;
+    assert_eq!(
+        (light.estimator, light.max_depth, light.hide_emitters),
+        (EstimatorKind::Light, Some(8), true)
+    );
+    let both = version(
+        "0.6.0",
+        "<sensor type=\"perspective\"/><integrator type=\"bdpt\"><integer name=\"maxDepth\" value=\"5\"/><integer name=\"rrDepth\" value=\"3\"/>\
+         <boolean name=\"lightImage\" value=\"true\"/><boolean name=\"sampleDirect\" value=\"false\"/></integrator>",
+    );
+    let both = both.integrator;
+    assert_eq!((both.estimator, both.max_depth), (EstimatorKind::Bidirectional, Some(5)));
+    assert_eq!(both.roulette.start_depth, Some(3));
 }
 
 #[test]

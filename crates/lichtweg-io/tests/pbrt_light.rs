@@ -1,34 +1,20 @@
 //! Light, textures and files of pbrt scenes: the scales that decide an image's brightness.
 
+mod pbrt_text;
+
 use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 
 use lichtweg::color::{Role, luminance, rgb_spectrum};
 use lichtweg::scene::description::{
-    Description, Diagnostics, EmissionScale, EnvironmentMapping, LightDescription, LightKind, Pixels,
-    Severity, SourceMap, SpectrumDescription, TextureInput, TextureKind, WrapMode,
+    Description, EmissionScale, EnvironmentMapping, LightDescription, LightKind, Pixels, SpectrumDescription,
+    TextureInput, TextureKind, WrapMode,
 };
-use lichtweg_io::diagnostics::render;
-use lichtweg_io::options::{LoadReport, ReadOptions};
-use lichtweg_io::pbrt;
 use lichtweg_ray::math::Vec3;
+use pbrt_text::read_silently;
 
 fn read_in(directory: &Path, world: &str) -> Description {
-    let mut sources = SourceMap::default();
-    let mut diagnostics = Diagnostics::new(false);
-    let text = format!("WorldBegin\n{world}");
-    let scene = pbrt::read_str(
-        &text,
-        "a.pbrt",
-        directory,
-        &ReadOptions::default(),
-        &mut sources,
-        &mut diagnostics,
-        &mut LoadReport::default(),
-    );
-    let silent = diagnostics.list.iter().all(|d| d.severity == Severity::Note);
-    assert!(silent, "{}", render(&diagnostics, &sources, false));
-    scene.unwrap()
+    read_silently(directory, "", world)
 }
 
 fn read(world: &str) -> Description {

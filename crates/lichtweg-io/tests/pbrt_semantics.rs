@@ -1,10 +1,13 @@
 //! What pbrt scenes mean: cameras, films, shapes, materials and transforms.
 
+mod pbrt_text;
+
 use std::path::Path;
 
 use lichtweg::scene::description::{
-    ConductorQuantity, Description, Diagnostics, FieldOfView, FilterKind, FovAxis, GeometryDescription,
-    LightStrategy, MaterialKind, Severity, SourceMap, SpectrumDescription, TextureInput,
+    ConductorQuantity, Description, Diagnostics, EstimatorKind, FieldOfView, FilterKind, FovAxis,
+    GeometryDescription, LightChoiceKind, LightStrategy, MaterialKind, Severity, SourceMap,
+    SpectrumDescription, TextureInput,
 };
 use lichtweg_io::diagnostics::render;
 use lichtweg_io::options::{LoadReport, ReadOptions};
@@ -12,32 +15,11 @@ use lichtweg_io::pbrt;
 use lichtweg_montecarlo::SamplerKind;
 use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Vec3};
+use pbrt_text::{read_any, read_silently};
 
 /// Reads options and a world; panics where there are findings other than notes.
 fn read(options: &str, world: &str) -> Description {
-    let (scene, diagnostics) = read_any(options, world);
-    let silent = diagnostics.list.iter().all(|d| d.severity == Severity::Note);
-    assert!(silent, "{:#?}", diagnostics.list);
-    scene
-}
-
-/// Reads options and a world without errors.
-fn read_any(options: &str, world: &str) -> (Description, Diagnostics) {
-    let mut sources = SourceMap::default();
-    let mut diagnostics = Diagnostics::new(false);
-    let text = format!("{options}\nWorldBegin\n{world}");
-    let directory = Path::new("/nonexistent");
-    let scene = pbrt::read_str(
-        &text,
-        "a.pbrt",
-        directory,
-        &ReadOptions::default(),
-        &mut sources,
-        &mut diagnostics,
-        &mut LoadReport::default(),
-    );
-    let scene = scene.unwrap_or_else(|| panic!("{}", render(&diagnostics, &sources, false)));
-    (scene, diagnostics)
+    read_silently(Path::new("/nonexistent"), options, world)
 }
 
 fn close(a: Vec3, b: Vec3) -> bool {
@@ -122,9 +104,28 @@ fn integrators_count_edges() {
     assert_eq!(read("Integrator \"path\" \"integer maxdepth\" 0", "").integrator.max_depth, Some(1));
     assert_eq!(light("Integrator \"simplepath\""), LightStrategy::Nee);
     assert_eq!(light("Integrator \"simplepath\" \"bool samplelights\" false"), LightStrategy::Naive);
+    let bdpt = read("Integrator \"bdpt\" \"integer maxdepth\" 7", "").integrator;
+    assert_eq!((bdpt.estimator, bdpt.max_depth), (EstimatorKind::Bidirectional, Some(8)));
+    assert_eq!(bdpt.roulette.start_depth, None);
+    let walks = read("Integrator \"lightpath\"", "").integrator;
+    assert_eq!((walks.estimator, walks.max_depth), (EstimatorKind::Light, Some(6)));
     let sampler = read("Option \"seed\" 5\nSampler \"stratified\" \"integer xsamples\" 3", "").sampler;
     assert_eq!((sampler.samples_per_pixel, sampler.seed), (12, 5));
     assert_eq!(read("Sampler \"independent\"", "").sampler.kind, SamplerKind::Independent);
+}
+
+#[test]
+fn light_samplers() {
+    for (name, kind) in [
+        ("bvh", LightChoiceKind::Auto),
+        ("uniform", LightChoiceKind::Uniform),
+        ("power", LightChoiceKind::Power),
+        ("exhaustive", LightChoiceKind::Tree),
+    ] {
+        let options = format!("Integrator \"path\" \"string lightsampler\" \"{name}\"");
+        assert_eq!(read(&options, "").integrator.light_choice, kind);
+    }
+    assert_eq!(read("Integrator \"path\"", "").integrator.light_choice, LightChoiceKind::Auto);
 }
 
 #[test]
@@ -353,8 +354,11 @@ fn holes_bumps_and_missing_surfaces() {
 /// A light without a surface becomes black and opaque, and a warning says so.
 #[test]
 fn lights_without_a_surface() {
-    let (scene, diagnostics) =
-        read_any("", "Material \"interface\" AreaLightSource \"diffuse\" Shape \"sphere\"");
+    let (scene, diagnostics) = read_any(
+        Path::new("/nonexistent"),
+        "",
+        "Material \"interface\" AreaLightSource \"diffuse\" Shape \"sphere\"",
+    );
     let codes: Vec<_> = diagnostics.list.iter().map(|d| (d.severity, d.code)).collect();
     assert_eq!(codes, [(Severity::Warning, "opaque-interface")]);
     let light = &scene.shapes[0];

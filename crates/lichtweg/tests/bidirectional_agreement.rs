@@ -9,15 +9,15 @@ mod common;
 use std::sync::Arc;
 
 use common::build::{
-    Build, CYLINDER, DISK, SPHERE, bitmap, chain, checkerboard, cube, facing_down, facing_up, float_image,
-    glass, glow, glow_input, grid, metal, placed, plastic, rectangle, rough,
+    Build, SPHERE, chain, checkerboard, cube, facing_down, glass, glow, glow_input, grid, metal, placed,
+    plastic, rectangle, rough,
 };
-use common::judge::assert_pairwise_agreement;
+use common::gallery;
 use common::room::{add_ball, add_block, add_light, add_walls, room, stage};
-use common::run::{Estimator, compile_scene, render_scene};
+use common::run::Estimator;
 use lichtweg::scene::description::{
-    Description, EnvironmentMapping, FilterDescription, GeometryDescription, InstanceDescription, LightKind,
-    MaterialKind, MicrofacetKind, Span, SpectrumDescription, SpotFalloff, TextureFilter, TextureInput,
+    Description, FilterDescription, InstanceDescription, LightKind, MaterialKind, MicrofacetKind, Span,
+    SpectrumDescription, TextureInput,
 };
 use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Motion, Vec3};
@@ -31,27 +31,12 @@ const ALL: [Estimator; 4] =
 const SPECULAR: [Estimator; 3] = [EYE, Estimator::BidirectionalBalance, Estimator::BidirectionalPower];
 
 fn assert_agreement(what: &str, description: &Description, estimators: &[Estimator]) {
-    let scene = compile_scene(description);
-    let images: Vec<_> = estimators
-        .iter()
-        .map(|&estimator| {
-            let mut d = description.clone();
-            d.sampler.seed = 300 + estimator as u64;
-            estimator.choose(&mut d);
-            (format!("{estimator:?}"), render_scene(&scene, &d))
-        })
-        .collect();
-    let means = images.iter().map(|(_, image)| image.mean().0[0]);
-    assert!(means.clone().all(|m| m > 0.01), "{what} is dark: {:?}", means.collect::<Vec<_>>());
-    assert_pairwise_agreement(what, &images);
+    gallery::assert_agreement(what, description, estimators, 300);
 }
 
 #[test]
 fn diffuse_room() {
-    let mut d = room(128);
-    let white = d.diffuse([0.8, 0.75, 0.7]);
-    add_ball(&mut d, white);
-    add_block(&mut d, white);
+    let d = gallery::diffuse_room(128);
     assert_agreement("diffuse room", &d, &ALL);
 }
 
@@ -80,12 +65,7 @@ fn rough_glass() {
 /// Caustics of smooth glass, a mirror and a coat on the walls; these are in view.
 #[test]
 fn smooth_glass_and_mirror() {
-    let mut d = room(160);
-    d.integrator.max_depth = Some(7);
-    let ball = d.material(glass(1.5, None));
-    let block = d.material(metal(None));
-    add_ball(&mut d, ball);
-    add_block(&mut d, block);
+    let mut d = gallery::smooth_room(160);
     let coated = d.material(plastic([0.2, 0.4, 0.7], None));
     d.shape(SPHERE, placed([0.3, 0.3, 0.4], [0.3; 3]), coated);
     assert_agreement("smooth glass and mirror", &d, &SPECULAR);
@@ -114,26 +94,7 @@ fn caustics_of_unseen_glass() {
 /// Normals that are not the surface's: interpolated, tilted by a height field, and read from a map.
 #[test]
 fn shading_normals() {
-    let mut d = room(160);
-    let white = d.diffuse([0.7; 3]);
-    let wavy = grid(8, |x, y| Vec3::new(x, y, 0.15 * (4.0 * x).sin() * (3.0 * y).cos()), true);
-    let carpet = chain(&[Affine::translation(0.0, -0.75, 0.2), facing_up(), Affine::scaling(0.8, 0.7, 1.0)]);
-    let shiny = d.material(plastic([0.5, 0.4, 0.3], rough(MicrofacetKind::Ggx, 0.3, 0.3)));
-    let shiny = d.two_sided(shiny);
-    d.shape(wavy, carpet, shiny);
-    let texture_id = |input: &TextureInput| match input {
-        TextureInput::Texture(id) => *id,
-        TextureInput::Constant(_) => unreachable!("made as a texture"),
-    };
-    let heights: Vec<[f32; 3]> = (0..64).map(|i| [0.06 * ((i % 8 + i / 8) % 3) as f32; 3]).collect();
-    let height = d.texture(bitmap(8, &heights, TextureFilter::Bilinear));
-    let bumpy = d.material(MaterialKind::Bump { height: texture_id(&height), scale: 2.0, nested: white });
-    add_block(&mut d, bumpy);
-    let normals: Vec<[f32; 3]> =
-        (0..16).map(|i| [0.5 + 0.2 * ((i % 4) as f32 - 1.5) / 1.5, 0.6, 0.9]).collect();
-    let normals = d.texture(bitmap(4, &normals, TextureFilter::Bilinear));
-    let mapped = d.material(MaterialKind::NormalMap { normals: texture_id(&normals), nested: white });
-    d.shape(rectangle(), placed([-0.1, 0.2, -0.9], [0.7, 0.5, 1.0]), mapped);
+    let d = gallery::tilted_room(160);
     assert_agreement("shading normals", &d, &ALL);
 }
 
@@ -150,51 +111,14 @@ fn smooth_normals_on_glass() {
 
 #[test]
 fn delta_lights() {
-    let mut d = room(128);
-    let ball = d.material(plastic([0.5, 0.2, 0.2], rough(MicrofacetKind::Beckmann, 0.3, 0.3)));
-    let block = d.material(glass(1.5, rough(MicrofacetKind::Ggx, 0.4, 0.4)));
-    add_ball(&mut d, ball);
-    add_block(&mut d, block);
-    let intensity = SpectrumDescription::Rgb([0.5, 0.7, 1.0]);
-    d.light(LightKind::Point { position: Vec3::new(0.7, 0.5, 0.3), intensity: intensity.clone() });
-    d.light(LightKind::Spot {
-        to_world: chain(&[Affine::translation(-0.2, 0.8, 0.4), facing_down()]),
-        intensity: intensity.clone(),
-        cutoff: 40.0,
-        beam_width: 20.0,
-        falloff: SpotFalloff::LinearAngle,
-    });
-    d.light(LightKind::Directional { direction: Vec3::new(0.2, -0.3, -1.0), irradiance: intensity });
+    let d = gallery::delta_room(128);
     assert_agreement("delta lights", &d, &ALL);
 }
 
 /// A sky with a broad sun in both mappings, and an even one, over objects that stand free.
 #[test]
 fn environments() {
-    let sky = |width: u32, height: u32| {
-        let pixels: Vec<[f32; 3]> = (0..width * height)
-            .map(|i| {
-                let (x, y) = (i % width, i / width);
-                if x / 2 == 2 && y == 2 { [8.0, 7.0, 5.0] } else { [0.1, 0.2, 0.1 + 0.02 * y as f32] }
-            })
-            .collect();
-        float_image(width, &pixels)
-    };
-    let mut d = stage(160);
-    let floor = d.diffuse([0.6, 0.5, 0.4]);
-    let floor = d.two_sided(floor);
-    d.shape(rectangle(), chain(&[Affine::translation(0.0, -1.0, 0.0), facing_up()]), floor);
-    let ball = d.material(metal(rough(MicrofacetKind::Ggx, 0.2, 0.2)));
-    let block = d.material(plastic([0.3, 0.6, 0.3], rough(MicrofacetKind::Ggx, 0.3, 0.3)));
-    add_ball(&mut d, ball);
-    add_block(&mut d, block);
-    let turned = Affine::rotation([0.3, 1.0, 0.1], 40.0);
-    for (image, mapping) in [
-        (sky(16, 8), EnvironmentMapping::LatitudeLongitude),
-        (sky(8, 8), EnvironmentMapping::EqualAreaOctahedral),
-    ] {
-        d.light(LightKind::Environment { image, mapping, to_world: turned });
-    }
+    let mut d = gallery::under_skies(160, plastic([0.3, 0.6, 0.3], rough(MicrofacetKind::Ggx, 0.3, 0.3)));
     d.light(LightKind::Constant { radiance: SpectrumDescription::Constant(0.1) });
     assert_agreement("environments", &d, &ALL);
 }
@@ -202,21 +126,9 @@ fn environments() {
 /// Emission that varies over triangles and over the parameters of quadrics, one of them sampled by its cone.
 #[test]
 fn textured_emitters() {
-    let mut d = stage(128);
-    add_walls(&mut d);
+    let mut d = gallery::textured_lamps(128);
     let black = d.diffuse([0.0; 3]);
     let board = d.texture(checkerboard([6.0, 1.0, 1.0], [0.2, 0.5, 3.0], 1.5));
-    let pixels = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [2.0, 2.0, 0.0]];
-    let image = d.texture(bitmap(2, &pixels, TextureFilter::Bilinear));
-    let ceiling =
-        chain(&[Affine::translation(0.4, 0.95, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
-    d.shape(rectangle(), ceiling, black).emission = glow_input(image.clone());
-    let disk = chain(&[Affine::translation(-0.5, 0.9, 0.0), facing_down(), Affine::scaling(0.4, 0.4, 1.0)]);
-    d.shape(DISK, disk, black).emission = glow_input(board.clone());
-    let tube = chain(&[Affine::translation(-0.9, -0.7, -0.6), Affine::scaling(0.15, 0.15, 0.8)]);
-    d.shape(CYLINDER, tube, black).emission = glow_input(image);
-    let egg = placed([0.6, -0.6, -0.4], [0.3, 0.4, 0.25]);
-    d.shape(SPHERE, egg, black).emission = glow_input(board.clone());
     d.shape(SPHERE, placed([0.1, 0.2, 0.0], [0.3; 3]), black).emission = glow_input(board);
     assert_agreement("textured emitters", &d, &ALL);
 }
@@ -244,19 +156,7 @@ fn thin_lens() {
 /// Different materials on the two sides, and lights that shine from one side or both.
 #[test]
 fn two_sides() {
-    let mut d = room(128);
-    let [red, blue] = [[0.8, 0.2, 0.1], [0.1, 0.2, 0.8]].map(|color| d.diffuse(color));
-    let gloss = d.material(metal(rough(MicrofacetKind::Ggx, 0.25, 0.25)));
-    for (x, front, back) in [(-0.5, red, blue), (0.5, gloss, red)] {
-        let sides = d.material(MaterialKind::TwoSided { front, back });
-        let turn = Affine::rotation([0.1, 1.0, 0.0], 70.0 * f64::signum(x));
-        let place = chain(&[Affine::translation(x, -0.4, 0.1), turn, Affine::scaling(0.4, 0.5, 1.0)]);
-        d.shape(rectangle(), place, sides);
-    }
-    let lamp = chain(&[Affine::translation(0.0, 0.1, -0.2), Affine::scaling(0.2, 0.2, 1.0)]);
-    let mut emission = glow([2.0, 4.0, 2.0]).expect("emits");
-    emission.two_sided = true;
-    d.shape(rectangle(), lamp, blue).emission = Some(emission);
+    let d = gallery::two_sides(128);
     assert_agreement("two sides", &d, &ALL);
 }
 
@@ -279,32 +179,7 @@ fn masks() {
 /// Many lights of all shapes, and emitters that reflect.
 #[test]
 fn many_lights() {
-    let mut d = stage(128);
-    add_walls(&mut d);
-    let grey = d.diffuse([0.4; 3]);
-    for i in 0..40 {
-        let t = f64::from(i);
-        let center =
-            [0.9 * (2.4 * t).cos() * (t / 40.0).sqrt(), 0.8 - 0.03 * t, 0.9 * (2.4 * t).sin() * (t / 40.0)];
-        let size = 0.05 + 0.08 * (t * 0.7).sin().abs();
-        let power = 20.0 * (1.0 + (t * 1.3).cos()) as f32 + 1.0;
-        let turn = Affine::rotation([1.0, t.sin(), t.cos()], 29.0 * t);
-        let place = chain(&[
-            Affine::translation(center[0], center[1], center[2]),
-            turn,
-            Affine::scaling(size, size, size),
-        ]);
-        let geometry = match i % 6 {
-            0 => SPHERE,
-            1 => DISK,
-            2 => CYLINDER,
-            3 => cube(),
-            4 => rectangle(),
-            _ => GeometryDescription::Sphere { z_min: -0.5, z_max: 0.7, phi_max: 200.0 },
-        };
-        let color = [power, power * 0.7, power * (0.3 + 0.01 * i as f32)].map(|c| 0.15 * c);
-        d.shape(geometry, place, grey).emission = glow(color);
-    }
+    let d = gallery::many_lights(128, 40, 0.4);
     assert_agreement("many lights", &d, &ALL);
 }
 

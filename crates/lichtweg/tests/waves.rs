@@ -7,6 +7,7 @@ mod common;
 use common::build::{
     Build, SPHERE, bitmap, checkerboard, glass, glow, grid, metal, placed, plastic, rectangle, rough,
 };
+use common::gallery;
 use common::room::{add_ball, add_block, room};
 use common::run::{Estimator, compile_scene};
 use lichtweg::camera::Camera;
@@ -196,6 +197,26 @@ fn lights_on_both_sides() {
     d.shape(SPHERE, placed([0.4, -0.4, -0.2], [0.3; 3]), grey).emission = both([1.0, 2.0, 3.0]);
     d.shape(rectangle(), placed([-0.4, -0.2, 0.3], [0.3; 3]), grey).emission = both([1.0, 2.0, 3.0]);
     check("lights on both sides", &mut d);
+}
+
+/// Lights that are chosen by place: triangles of a mesh that shine both ways, balls, and a point.
+#[test]
+fn many_lights() {
+    let mut d = gallery::many_lights(1, 20, 0.5);
+    let grey = d.diffuse([0.4, 0.5, 0.6]);
+    let wave = |u: f32, v: f32| Vec3::new(u, 0.1 * (9.0 * u).sin() - 0.8, v) * 0.9;
+    let mut emission = glow([0.5, 1.0, 2.0]).expect("emits");
+    emission.two_sided = true;
+    d.shape(grid(6, wave, true), Affine::IDENTITY, grey).emission = Some(emission);
+    let ball = d.material(glass(1.5, rough(MicrofacetKind::Ggx, 0.3, 0.3)));
+    add_ball(&mut d, ball);
+    add_block(&mut d, grey);
+    d.light(LightKind::Point {
+        position: Vec3::new(0.1, 0.2, 0.3),
+        intensity: SpectrumDescription::Constant(0.5),
+    });
+    d.light(LightKind::Constant { radiance: SpectrumDescription::Constant(0.1) });
+    check("many lights", &mut d);
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! `--integrator NAME[:key=value,...]`.
 
-use lichtweg::scene::description::{EstimatorKind, Heuristic, IntegratorDescription, LightStrategy};
+use lichtweg::scene::description::{
+    EstimatorKind, Heuristic, IntegratorDescription, LightChoiceKind, LightStrategy,
+};
 
 use super::listed;
 
@@ -9,14 +11,22 @@ const ESTIMATORS: [(&str, EstimatorKind, &str); 3] = [
     (
         "path",
         EstimatorKind::Path,
-        "light=naive|nee|mis, heuristic=balance|power, rr_depth=N|off, hide_emitters=true|false",
+        "light=naive|nee|mis, heuristic=balance|power, lights=auto|uniform|power|tree, rr_depth=N|off, hide_emitters=true|false",
     ),
     ("light", EstimatorKind::Light, "hide_emitters=true|false"),
     (
         "bdpt",
         EstimatorKind::Bidirectional,
-        "heuristic=balance|power, rr_depth=N|off, hide_emitters=true|false",
+        "heuristic=balance|power, lights=auto|uniform|power|tree, rr_depth=N|off, hide_emitters=true|false",
     ),
+];
+
+/// Ways to choose the light that a vertex is connected to.
+const LIGHT_CHOICES: [(&str, LightChoiceKind); 4] = [
+    ("auto", LightChoiceKind::Auto),
+    ("uniform", LightChoiceKind::Uniform),
+    ("power", LightChoiceKind::Power),
+    ("tree", LightChoiceKind::Tree),
 ];
 
 /// What the user wants of the estimator; what is `None` stays as the scene has it.
@@ -25,6 +35,7 @@ pub struct IntegratorChoice {
     estimator: Option<EstimatorKind>,
     light: Option<LightStrategy>,
     heuristic: Option<Heuristic>,
+    light_choice: Option<LightChoiceKind>,
     rr_depth: Option<Option<u32>>,
     hide_emitters: Option<bool>,
 }
@@ -35,6 +46,7 @@ impl IntegratorChoice {
         integrator.estimator = self.estimator.unwrap_or(integrator.estimator);
         integrator.light = self.light.unwrap_or(integrator.light);
         integrator.heuristic = self.heuristic.unwrap_or(integrator.heuristic);
+        integrator.light_choice = self.light_choice.unwrap_or(integrator.light_choice);
         integrator.roulette.start_depth = self.rr_depth.unwrap_or(integrator.roulette.start_depth);
         integrator.hide_emitters = self.hide_emitters.unwrap_or(integrator.hide_emitters);
     }
@@ -77,6 +89,12 @@ fn set(choice: &mut IntegratorChoice, key: &str, value: &str) -> Result<(), Stri
                 _ => return Err(format!("heuristic={value}: expected balance or power")),
             });
         }
+        "lights" => {
+            let known = LIGHT_CHOICES.iter().find(|(name, _)| *name == value);
+            let expected = || listed(&LIGHT_CHOICES.map(|(name, _)| name));
+            let (_, kind) = known.ok_or_else(|| format!("lights={value}: there are {}", expected()))?;
+            choice.light_choice = Some(*kind);
+        }
         "rr_depth" => {
             choice.rr_depth = Some(match value.parse() {
                 _ if value == "off" => None,
@@ -107,17 +125,22 @@ pub fn describe_integrator(integrator: &IntegratorDescription) -> String {
         Heuristic::Balance => "balance",
         Heuristic::Power => "power",
     };
+    // What is usual goes without saying.
+    let lights = match LIGHT_CHOICES.iter().find(|(_, kind)| *kind == integrator.light_choice) {
+        Some((name, kind)) if *kind != LightChoiceKind::Auto => format!(",lights={name}"),
+        _ => String::new(),
+    };
     let rr_depth = integrator.roulette.start_depth.map_or("off".to_owned(), |d| d.to_string());
     let hide_emitters = integrator.hide_emitters;
     match integrator.estimator {
         EstimatorKind::Path => {
             format!(
-                "path:light={light},heuristic={heuristic},rr_depth={rr_depth},hide_emitters={hide_emitters}"
+                "path:light={light},heuristic={heuristic}{lights},rr_depth={rr_depth},hide_emitters={hide_emitters}"
             )
         }
         EstimatorKind::Light => format!("light:hide_emitters={hide_emitters}"),
         EstimatorKind::Bidirectional => {
-            format!("bdpt:heuristic={heuristic},rr_depth={rr_depth},hide_emitters={hide_emitters}")
+            format!("bdpt:heuristic={heuristic}{lights},rr_depth={rr_depth},hide_emitters={hide_emitters}")
         }
     }
 }
@@ -137,7 +160,11 @@ mod tests {
         let mut again = IntegratorDescription::default();
         parse_integrator(&describe_integrator(&integrator)).unwrap().apply(&mut again);
         assert_eq!(describe_integrator(&again), describe_integrator(&integrator));
-        for text in ["light:hide_emitters=true", "bdpt:heuristic=balance,rr_depth=3,hide_emitters=false"] {
+        for text in [
+            "light:hide_emitters=true",
+            "path:light=mis,heuristic=power,lights=tree,rr_depth=2,hide_emitters=false",
+            "bdpt:heuristic=balance,rr_depth=3,hide_emitters=false",
+        ] {
             parse_integrator(text).unwrap().apply(&mut again);
             assert_eq!(describe_integrator(&again), text);
         }
@@ -146,6 +173,7 @@ mod tests {
     #[test]
     fn errors_list_what_there_is() {
         for (wrong, listed) in [
+            ("path:lights=all", "there are auto, uniform, power and tree"),
             ("photon", "there are path, light and bdpt"),
             ("bdpt:light=nee", "heuristic=balance|power"),
             ("light:rr_depth=3", "hide_emitters"),

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use lichtweg::color::blackbody_luminance;
 use lichtweg::scene::description::{Diagnostic, SpectrumDescription};
 
-use super::blackbody::planck_luminance;
 use super::element::Element;
 use super::include::{find, not_found};
 use super::number::{parse_float, parse_floats, shortened, tokens};
@@ -83,7 +83,7 @@ pub(super) fn blackbody(kelvin: f64, scale: f64) -> Result<SpectrumDescription, 
     }
     Ok(SpectrumDescription::Blackbody {
         kelvin: kelvin as f32,
-        scale: finite(scale * planck_luminance(kelvin))?,
+        scale: finite(scale * blackbody_luminance(kelvin))?,
     })
 }
 

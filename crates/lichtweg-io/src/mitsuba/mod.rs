@@ -12,7 +12,6 @@
 //! Limits: participating media, animated emitters, and textures on spot lights are not supported.
 
 mod assets;
-mod blackbody;
 mod color;
 mod curve;
 mod definitions;

@@ -2,12 +2,16 @@
 //!
 //! `independent` stays what it is; every other sampler of pbrt is a stratified one, for which Sobol' points stand. pbrt counts
 //! bounces, the description path edges: its `maxdepth` d is d + 1 here. Russian roulette may end a path of pbrt at
-//! its second vertex (`cpu/integrators.cpp`).
+//! its second vertex (`cpu/integrators.cpp`), but none of `bdpt`, whose edges are counted alike.
 //!
-//! Limits: path tracing only; media are reported where they are stated, so that `volpath` is `path`.
+//! Light samplers: `uniform` and `power` are what they say. `bvh`, pbrt's default, leaves the choice to the program: by place where
+//! lights are many. `exhaustive` looks at every light, for which the tree stands, with the same importances.
+//!
+//! Limits: media are reported where they are stated, so that `volpath` is `path`.
 
 use lichtweg::scene::description::{
-    Diagnostic, IntegratorDescription, LightStrategy, RouletteDescription, SamplerDescription,
+    Diagnostic, EstimatorKind, IntegratorDescription, LightChoiceKind, LightStrategy, RouletteDescription,
+    SamplerDescription,
 };
 use lichtweg_montecarlo::SamplerKind;
 
@@ -61,33 +65,59 @@ fn sampler(entity: &Entity, seed: i64, report: &mut Report) -> SamplerDescriptio
     SamplerDescription { span: entity.span, kind, samples_per_pixel: samples as u32, seed: seed as u64 }
 }
 
+/// What pbrt's light samplers are here; its default comes first.
+const LIGHT_SAMPLERS: [(&str, LightChoiceKind); 4] = [
+    ("bvh", LightChoiceKind::Auto),
+    ("uniform", LightChoiceKind::Uniform),
+    ("power", LightChoiceKind::Power),
+    ("exhaustive", LightChoiceKind::Tree),
+];
+
+/// Reports a switch that is on and has no counterpart.
+fn refuse(entity: &Entity, name: &'static str, text: &str, substitute: &str, report: &mut Report) {
+    if entity.params.bool(name, false, report)
+        && let Some(param) = entity.params.find(name, Type::Bool)
+    {
+        let diagnostic = Diagnostic::error("unsupported", text).at(param.span, "this setting");
+        report.substitute(diagnostic, substitute);
+    }
+}
+
 fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
-    const UNSUPPORTED: [&str; 10] = [
-        "ambientocclusion",
-        "ao",
-        "bdpt",
-        "function",
-        "lightpath",
-        "mlt",
-        "randomwalk",
-        "simplevolpath",
-        "sppm",
-        "specular",
-    ];
+    const UNSUPPORTED: [&str; 8] =
+        ["ambientocclusion", "ao", "function", "mlt", "randomwalk", "simplevolpath", "sppm", "specular"];
     let params = &entity.params;
+    let mut estimator = EstimatorKind::Path;
     let mut light = LightStrategy::Mis;
+    let mut light_choice = LightChoiceKind::Auto;
     let mut start_depth = Some(2);
     match entity.kind.as_str() {
         "path" | "volpath" => {
-            // How lights are chosen matters to the noise alone.
-            params.accept("lightsampler", Type::String);
-            if params.bool("regularize", false, report)
-                && let Some(param) = params.find("regularize", Type::Bool)
-            {
-                let diagnostic = Diagnostic::error("unsupported", "regularization is not supported");
-                report.substitute(diagnostic.at(param.span, "this setting"), "materials stay as they are");
+            light_choice = params.choice("lightsampler", &LIGHT_SAMPLERS, report);
+            refuse(
+                entity,
+                "regularize",
+                "regularization is not supported",
+                "materials stay as they are",
+                report,
+            );
+        }
+        "bdpt" => {
+            estimator = EstimatorKind::Bidirectional;
+            start_depth = None;
+            refuse(
+                entity,
+                "regularize",
+                "regularization is not supported",
+                "materials stay as they are",
+                report,
+            );
+            for setting in ["visualizestrategies", "visualizeweights"] {
+                let text = "a render writes no images of strategies; the command \"pyramid\" does";
+                refuse(entity, setting, text, "the image alone is written", report);
             }
         }
+        "lightpath" => estimator = EstimatorKind::Light,
         "simplepath" => {
             let sample_lights = params.bool("samplelights", true, report);
             light = if sample_lights { LightStrategy::Nee } else { LightStrategy::Naive };
@@ -103,7 +133,8 @@ fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
                 let diagnostic =
                     Diagnostic::error("unknown-type", format!("\"{other}\" is no type of integrator"))
                         .at(entity.span, "unknown integrator");
-                let known = UNSUPPORTED.into_iter().chain(["path", "simplepath", "volpath"]);
+                let known =
+                    UNSUPPORTED.into_iter().chain(["bdpt", "lightpath", "path", "simplepath", "volpath"]);
                 report.substitute(match other {
                     "directlighting" => diagnostic.help(
                         "this is an integrator of pbrt-v3; in pbrt-v4 it is \"path\" with a maxdepth of 1",
@@ -118,7 +149,9 @@ fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
     params.report_unused(&entity.title(), report);
     IntegratorDescription {
         span: entity.span,
+        estimator,
         light,
+        light_choice,
         max_depth: Some(bounces as u32 + 1),
         roulette: RouletteDescription { start_depth },
         ..IntegratorDescription::default()

@@ -116,10 +116,10 @@ pub(crate) struct Other {
 impl Other {
     pub(crate) const NONE: Self = Self { hit: Hit::NONE, id: Best::NOTHING, curve_ray: None };
 
-    /// A hit that its kind has not completed yet, and its running number.
+    /// Takes a hit that its kind has not completed yet, and its running number.
     #[inline(always)]
-    pub(crate) fn new(hit: Hit, id: u32) -> Self {
-        Self { hit, id }
+    pub(crate) fn set(&mut self, hit: Hit, id: u32) {
+        (self.hit, self.id) = (hit, id);
     }
 
     /// Running number of the primitive, or [`Best::NOTHING`].
@@ -253,7 +253,7 @@ impl Best {
         let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, probe, curve_ray, self.t, accept);
         let Some((hit, id)) = nearest else { return false };
         if self.consider(TriangleHit { t: hit.t, u: hit.u, v: hit.v }, id) {
-            (other.hit, other.id) = (hit, id);
+            other.set(hit, id);
         }
         true
     }

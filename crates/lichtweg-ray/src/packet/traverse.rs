@@ -289,7 +289,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
             while nearer != 0 {
                 let lane = nearer.trailing_zeros() as usize;
                 nearer &= nearer - 1;
-                *self.other(lane) = Other::new(Hit::plain(t.0[lane], 0.0, 0.0, geometry, 0), id);
+                self.other(lane).set(Hit::plain(t.0[lane], 0.0, 0.0, geometry, 0), id);
             }
         }
         true

@@ -160,6 +160,19 @@ impl Bsdf<'_> {
         }
     }
 
+    /// Whether light may come from behind. Where it may not, it comes from in front, along the normal: the back is black.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        match self {
+            Self::SmoothDielectric(_) | Self::ThinDielectric(_) | Self::RoughDielectric(_) => true,
+            Self::Diffuse(_)
+            | Self::SmoothConductor(_)
+            | Self::RoughConductor(_)
+            | Self::SmoothPlastic(_)
+            | Self::RoughPlastic(_) => false,
+        }
+    }
+
     /// f(wo, wi) |cos wi|, without delta lobes.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: Mode) -> Spectrum {

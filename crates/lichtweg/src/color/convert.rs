@@ -1,5 +1,6 @@
 //! From stated colours to spectra.
 
+use super::blackbody::planck;
 use super::cie::{Illuminant, luminance, tristimulus, xyz_to_srgb};
 use super::{Spectrum, conductor};
 use crate::scene::description::{ConductorQuantity, SpectrumDescription};
@@ -30,7 +31,9 @@ pub fn rgb_spectrum(description: &SpectrumDescription, role: Role) -> Option<Spe
             in_gamut(tristimulus(|w| interpolate(wavelengths, values, w), illuminant))
         }
         SpectrumDescription::Blackbody { kelvin, scale } => {
-            let color = in_gamut(tristimulus(|w| planck(w, f64::from(*kelvin)), Illuminant::Equal));
+            let kelvin = f64::from(*kelvin);
+            let color =
+                in_gamut(tristimulus(|w| planck(w, kelvin) / planck(560.0, kelvin), Illuminant::Equal));
             color * (scale / luminance(color.to_rgb()))
         }
         SpectrumDescription::Conductor { name, quantity } => {
@@ -53,14 +56,6 @@ fn interpolate(wavelengths: &[f32], values: &[f32], w: f64) -> f64 {
     let (a, b) = (f64::from(wavelengths[after - 1]), f64::from(wavelengths[after]));
     let t = (w - a) / (b - a);
     value(after - 1) * (1.0 - t) + value(after) * t
-}
-
-/// Spectral radiance of a black body by Planck's law, relative to its value at 560 nm.
-fn planck(nanometres: f64, kelvin: f64) -> f64 {
-    /// h c / k in nanometre kelvin.
-    const SECOND_RADIATION: f64 = 1.438_776_877e7;
-    let at = |w: f64| w.powi(-5) / (SECOND_RADIATION / (w * kelvin)).exp_m1();
-    at(nanometres) / at(560.0)
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! Colour: four-lane spectra, and what scene files' colours become in them.
 
+mod blackbody;
 mod cie;
 mod conductor;
 mod convert;
 mod spectrum;
 
+pub use blackbody::blackbody_luminance;
 pub use cie::luminance;
 pub use conductor::{conductor, conductor_names};
 pub use convert::{Role, rgb_spectrum};

@@ -14,7 +14,7 @@ use super::LightSample;
 use super::cone::Cone;
 use crate::color::Spectrum;
 use crate::lanes::warp;
-use crate::scene::{Form, QuadricForm, Scene, Sphere, SurfacePoint};
+use crate::scene::{Form, MeshForm, QuadricForm, Scene, Sphere, SurfacePoint};
 use crate::texture::{Input, TextureArena};
 
 /// An emitting shape.
@@ -120,10 +120,16 @@ impl AreaLight {
         }
     }
 
-    /// See [`Light::sample`](super::Light::sample); with the point on the light.
+    /// See [`Light::sample_part`](super::Light::sample_part); with the point on the light.
     #[inline]
-    pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<(LightSample, SurfacePoint)> {
-        let (point, measure) = self.sample_point(from, u, scene.form(self.shape))?;
+    pub fn sample(
+        &self,
+        from: Vec3,
+        triangle: Option<u32>,
+        u: [f32; 2],
+        scene: &Scene,
+    ) -> Option<(LightSample, SurfacePoint)> {
+        let (point, measure) = self.sample_point(from, triangle, u, scene.form(self.shape))?;
         let sight = Sight::new(from, point.position, point.geometric_normal);
         let direction = sight.direction;
         if sight.cos <= 0.0 && !self.two_sided {
@@ -146,9 +152,7 @@ impl AreaLight {
     pub(super) fn point_by_area(&self, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, f32)> {
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) => {
-                let pick = table.sample(u[0]);
-                let [_, b, c] = warp::uniform_triangle([pick.remapped, u[1]]);
-                Some((mesh.point(self.shape, pick.index as u32, b, c), 1.0 / area))
+                Some((self.triangle_point(None, u, table, mesh), 1.0 / area))
             }
             (_, Form::Quadric(quadric)) => {
                 let point = quadric_point(quadric, self.shape, u);
@@ -157,6 +161,20 @@ impl AreaLight {
             }
             _ => None,
         }
+    }
+
+    /// A point that is even over a triangle, or over all of them.
+    #[inline(always)]
+    fn triangle_point(
+        &self,
+        triangle: Option<u32>,
+        [u, v]: [f32; 2],
+        table: &AliasTable,
+        mesh: &MeshForm,
+    ) -> SurfacePoint {
+        let (triangle, remapped) = pick_or(triangle, u, table);
+        let [_, b, c] = warp::uniform_triangle([remapped, v]);
+        mesh.point(self.shape, triangle, b, c)
     }
 
     /// Density per area of [`AreaLight::point_by_area`].
@@ -184,15 +202,15 @@ impl AreaLight {
         (!has_holes).then_some(row)
     }
 
-    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers, or the sphere.
+    /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers, if it was not told which; or the
+    /// sphere.
     #[inline]
-    pub(crate) fn rows<'a>(&'a self, u: f32, form: &'a Form) -> Option<LightRows<'a>> {
+    pub(crate) fn rows<'a>(&'a self, triangle: Option<u32>, u: f32, form: &'a Form) -> Option<LightRows<'a>> {
         let emission = self.row.as_ref()?;
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { table, .. }, Form::Mesh(mesh)) => {
-                let pick = table.sample(u);
-                let form = mesh.row(pick.index as u32);
-                Some(LightRows { form, is_sphere: false, emission, remapped: pick.remapped })
+                let (triangle, remapped) = pick_or(triangle, u, table);
+                Some(LightRows { form: mesh.row(triangle), is_sphere: false, emission, remapped })
             }
             (_, Form::Quadric(quadric)) => {
                 let form = quadric.sphere.as_ref()?;
@@ -203,9 +221,15 @@ impl AreaLight {
     }
 
     #[inline(always)]
-    fn sample_point(&self, from: Vec3, u: [f32; 2], form: &Form) -> Option<(SurfacePoint, Measure)> {
-        if let EmissionSampling::Triangles { .. } = self.sampling {
-            return self.point_by_area(u, form).map(|(point, pdf)| (point, Measure::Area(pdf)));
+    fn sample_point(
+        &self,
+        from: Vec3,
+        triangle: Option<u32>,
+        u: [f32; 2],
+        form: &Form,
+    ) -> Option<(SurfacePoint, Measure)> {
+        if let (EmissionSampling::Triangles { table, area }, Form::Mesh(mesh)) = (&self.sampling, form) {
+            return Some((self.triangle_point(triangle, u, table, mesh), Measure::Area(1.0 / area)));
         }
         self.sample_quadric(from, u, form)
     }
@@ -246,6 +270,18 @@ impl AreaLight {
 fn sphere_uv(p: Vec3) -> Vec2 {
     let azimuth = p.y.atan2(p.x) / TAU;
     Vec2::new(azimuth - azimuth.floor(), 1.0 - p.normalized().z.clamp(-1.0, 1.0).acos() / PI)
+}
+
+/// A triangle, which is chosen where it is not given, and what is left of the random number.
+#[inline(always)]
+fn pick_or(triangle: Option<u32>, u: f32, table: &AliasTable) -> (u32, f32) {
+    match triangle {
+        Some(triangle) => (triangle, u),
+        None => {
+            let pick = table.sample(u);
+            (pick.index as u32, pick.remapped)
+        }
+    }
 }
 
 /// A density, and what it is a density of.

@@ -24,8 +24,8 @@ pub(crate) use cone::Cone;
 pub use delta::{Directional, Point, Spot};
 pub use emission::{Emission, EmissionDensity, Surroundings};
 pub use environment::{ConstantEnvironment, Environment, MapEnvironment};
-pub use selection::LightSelection;
-pub use tree::LightBounds;
+pub use selection::{Candidate, LightChoice, LightSelection};
+pub use tree::{LightBounds, Receiver};
 
 /// A light.
 #[derive(Debug)]
@@ -61,20 +61,22 @@ impl Light {
     /// Chooses a direction from `from` to this light, by a uniform pair. `None` where nothing can arrive.
     #[inline]
     pub fn sample(&self, from: Vec3, u: [f32; 2], scene: &Scene) -> Option<LightSample> {
-        self.sample_with_point(from, u, scene).map(|(sample, _)| sample)
+        self.sample_part(from, None, u, scene).map(|(sample, _)| sample)
     }
 
-    /// The same, with the point on the light, if it is a shape.
+    /// The same with the point on the light, if it is a shape. Where a triangle of it is given, the point lies on that one; the
+    /// density then is that of points all over the light, see [`LightChoice::probability`].
     #[inline]
-    pub fn sample_with_point(
+    pub fn sample_part(
         &self,
         from: Vec3,
+        triangle: Option<u32>,
         u: [f32; 2],
         scene: &Scene,
     ) -> Option<(LightSample, Option<SurfacePoint>)> {
         let sample = match self {
             Self::Area(light) => {
-                return light.sample(from, u, scene).map(|(sample, point)| (sample, Some(point)));
+                return light.sample(from, triangle, u, scene).map(|(sample, point)| (sample, Some(point)));
             }
             Self::Point(light) => light.sample(from)?,
             Self::Spot(light) => light.sample(from)?,

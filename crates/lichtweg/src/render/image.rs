@@ -30,7 +30,7 @@ pub struct Layer {
 const RGB: &[&str] = &["R", "G", "B"];
 
 impl RenderedImage {
-    /// Radiance, and the layers that were asked for and recorded.
+    /// Radiance, and the layers that were asked for and recorded; how many samples each pixel has, where they are not all the same.
     pub fn layers(&self, selection: LayerSelection) -> Vec<Layer> {
         let of_pixels = |f: fn(&Pixel) -> [f64; 3]| {
             self.pixels.iter().flat_map(|p| f(p).map(|v| v as f32)).collect::<Vec<f32>>()
@@ -38,6 +38,11 @@ impl RenderedImage {
         let mut layers = vec![Layer { name: "", channels: RGB, data: of_pixels(Pixel::mean) }];
         if selection.variance {
             layers.push(Layer { name: "variance", channels: RGB, data: of_pixels(Pixel::variance_of_mean) });
+        }
+        let count = |p: &Pixel| p.count;
+        if self.pixels.iter().map(count).min() != self.pixels.iter().map(count).max() {
+            let data = self.pixels.iter().map(|p| p.count as f32).collect();
+            layers.push(Layer { name: "samples", channels: &["N"], data });
         }
         if self.auxiliary.is_empty() {
             return layers;

@@ -5,6 +5,7 @@
 //! image is the same bits for any number of threads and any cut into passes.
 
 mod camera_paths;
+mod pass;
 mod paths;
 mod pyramid;
 mod splatting;
@@ -32,7 +33,7 @@ const BLOCK: u32 = 4;
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
 
-/// How long a pass may take before the next one is made shorter: what Ctrl-C has to wait for.
+/// How long a pass may take before the next one is made shorter, or it is cut: what Ctrl-C has to wait for.
 const PASS_SECONDS: f64 = 0.5;
 
 /// Images of more pixels than this are refused rather than run out of memory.
@@ -76,7 +77,7 @@ pub struct LayerSelection {
 /// Why nothing was rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
-    /// Stopped before the first pass was complete.
+    /// Stopped before any pixel was complete.
     #[error("stopped before the first pass over the image was complete")]
     Stopped,
 }
@@ -84,8 +85,10 @@ pub enum RenderError {
 /// Exact counts over a job.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
-    /// Samples of each pixel.
+    /// Samples of each pixel, at least.
     pub samples_per_pixel: u32,
+    /// Samples of those pixels that have most: more where the last pass was cut short.
+    pub most_samples_per_pixel: u32,
     /// Camera paths.
     pub paths: u64,
     /// What the paths counted.
@@ -107,11 +110,15 @@ pub struct Rendering {
     pub image: RenderedImage,
     /// The counts.
     pub statistics: Statistics,
+    /// What a thread panicked with, if one did: the image is what was done before.
+    pub panic: Option<String>,
 }
 
 struct Tile {
     /// Position in the film and size.
     window: [u32; 4],
+    /// Of each pixel.
+    samples: u32,
     pixels: Vec<Pixel>,
     auxiliary: Vec<AuxiliarySums>,
     counts: WalkCounts,
@@ -206,13 +213,29 @@ impl Job {
         let start = Instant::now();
         let mut tiles = self.tiles();
         let (mut done, mut passes, mut pass_samples) = (0, 0, 1);
+        let mut panic = None;
         while done < self.samples_per_pixel && !progress.is_stopped() {
             let pass_start = Instant::now();
             let end = done + pass_samples.min(self.samples_per_pixel - done);
-            tiles.par_iter_mut().for_each_init(
+            // A pass that can be no shorter may be cut.
+            let ends = || {
+                pass_samples == 1
+                    && pass_start.elapsed().as_secs_f64() > PASS_SECONDS
+                    && (progress.is_stopped()
+                        || self.time_limit.is_some_and(|limit| start.elapsed() >= limit))
+            };
+            panic = pass::run(
+                &mut tiles,
+                end - done,
+                ends,
                 || Wave::new(self.sampler),
-                |wave, tile| self.render_tile(scene, tile, wave, done..end, progress),
+                |tile, wave| {
+                    self.render_tile(scene, tile, wave, done..end, progress);
+                },
             );
+            if panic.is_some() || tiles.iter().any(|tile| tile.samples < end) {
+                break;
+            }
             done = end;
             passes += 1;
             progress.pass_done();
@@ -221,19 +244,23 @@ impl Job {
             };
             pass_samples = next;
         }
-        if done == 0 {
-            return Err(RenderError::Stopped);
+        let mut statistics = self.statistics(&tiles, passes);
+        match panic {
+            Some(panic) if statistics.most_samples_per_pixel == 0 => std::panic::resume_unwind(panic),
+            None if statistics.most_samples_per_pixel == 0 => return Err(RenderError::Stopped),
+            _ => {}
         }
-        let mut statistics = self.statistics(&tiles, done, passes);
         let image = self.assemble(tiles);
         statistics.seconds = start.elapsed().as_secs_f64();
-        Ok(Rendering { image, statistics })
+        Ok(Rendering { image, statistics, panic: panic.as_ref().map(pass::message) })
     }
 
-    fn statistics(&self, tiles: &[Tile], samples_per_pixel: u32, passes: u32) -> Statistics {
+    fn statistics(&self, tiles: &[Tile], passes: u32) -> Statistics {
+        let samples = || tiles.iter().map(|tile| tile.samples);
         let mut statistics = Statistics {
-            samples_per_pixel,
-            paths: u64::from(self.window[2]) * u64::from(self.window[3]) * u64::from(samples_per_pixel),
+            samples_per_pixel: samples().min().unwrap_or(0),
+            most_samples_per_pixel: samples().max().unwrap_or(0),
+            paths: tiles.iter().map(|tile| tile.pixels.len() as u64 * u64::from(tile.samples)).sum(),
             passes,
             ..Default::default()
         };
@@ -262,15 +289,7 @@ impl Job {
         let steps = |n: u32| (0..n).step_by(TILE as usize);
         let tile = |(y, x): (u32, u32)| {
             let window = [x0 + x, y0 + y, TILE.min(width - x), TILE.min(height - y)];
-            let pixels = (window[2] * window[3]) as usize;
-            Tile {
-                window,
-                pixels: vec![Pixel::default(); pixels],
-                auxiliary: vec![AuxiliarySums::default(); if self.auxiliary { pixels } else { 0 }],
-                counts: WalkCounts::default(),
-                dropped: 0,
-                first_dropped: None,
-            }
+            Tile::new(window, self.auxiliary)
         };
         steps(height).flat_map(|y| steps(width).map(move |x| (y, x))).map(tile).collect()
     }
@@ -351,6 +370,19 @@ impl Job {
 }
 
 impl Tile {
+    fn new(window: [u32; 4], auxiliary: bool) -> Self {
+        let pixels = (window[2] * window[3]) as usize;
+        Self {
+            window,
+            samples: 0,
+            pixels: vec![Pixel::default(); pixels],
+            auxiliary: vec![AuxiliarySums::default(); if auxiliary { pixels } else { 0 }],
+            counts: WalkCounts::default(),
+            dropped: 0,
+            first_dropped: None,
+        }
+    }
+
     /// Film position of a pixel. Pixels are numbered block by block, so that neighbours in a packet of rays are
     /// neighbours in the image.
     #[inline]

@@ -9,6 +9,7 @@ use lichtweg_ray::QuadricShape;
 use lichtweg_ray::math::{Bounds3, Vec3};
 use rayon::prelude::*;
 
+use super::candidate::candidate;
 use super::curve::CurveForm;
 use super::description::{
     Description, Diagnostic, Diagnostics, EmissionScale, EstimatorKind, GeometryDescription,
@@ -19,8 +20,8 @@ use super::surface::{Form, MeshForm, QuadricForm};
 use super::{MaterialArena, Scene, Shape};
 use crate::color::{Role, Spectrum, luminance, rgb_spectrum};
 use crate::light::{
-    AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightBounds,
-    LightSelection, MapEnvironment, Point, Spot, Surroundings,
+    AreaLight, ConstantEnvironment, Directional, EmissionSampling, Environment, Light, LightSelection,
+    MapEnvironment, Point, Spot, Surroundings,
 };
 use crate::texture::{Input, TextureArena};
 
@@ -68,16 +69,14 @@ impl Scene {
         let Structures { accel, instances, report: hierarchies } =
             structures.map_err(|fault| diagnostics.push(fault)).ok()?;
         let surroundings = surroundings(accel.bounds());
-        let powers: Vec<f32> =
-            lights.iter().map(|l| power(l, &shapes, &textures, surroundings.radius)).collect();
-        let bounds: Vec<_> =
-            lights.iter().zip(&powers).map(|(l, &power)| light_bounds(l, power, &shapes)).collect();
+        let candidates: Vec<_> =
+            lights.par_iter().map(|l| candidate(l, &shapes, &textures, surroundings.radius)).collect();
         let environments = (0..lights.len() as u32)
             .filter(|&i| matches!(lights[i as usize], Light::Environment(_)))
             .collect();
         let scene = Self {
             has_holes: shapes.iter().any(|s| s.has_holes),
-            selection: LightSelection::new(&powers, &bounds),
+            selection: LightSelection::new(&candidates, description.integrator.light_choice),
             accel,
             instances,
             hierarchies,
@@ -407,35 +406,4 @@ fn surroundings(bounds: Bounds3) -> Surroundings {
     }
     let radius = (bounds.extent().length() * 0.5 * (1.0 + 1e-4)).max(f32::MIN_POSITIVE);
     Surroundings { center: bounds.center(), radius }
-}
-
-/// Where a light is and where it shines; `None` infinitely far.
-fn light_bounds(light: &Light, power: f32, shapes: &[Shape]) -> Option<LightBounds> {
-    let point = |position| LightBounds { bounds: Bounds3::of([position]), axis: Vec3::Z, spread: PI, power };
-    match light {
-        Light::Point(l) => Some(point(l.position)),
-        Light::Spot(l) => Some(point(l.position)),
-        Light::Directional(_) | Light::Environment(_) => None,
-        Light::Area(l) => {
-            let form = &shapes[l.shape as usize].form;
-            let (axis, spread) = if l.two_sided { (Vec3::Z, PI) } else { form.normal_cone(l.shape) };
-            Some(LightBounds { bounds: form.bounds(), axis, spread, power })
-        }
-    }
-}
-
-/// Emitted power, about: for the choice of lights.
-fn power(light: &Light, shapes: &[Shape], textures: &TextureArena, scene_radius: f32) -> f32 {
-    let disk = PI * scene_radius * scene_radius;
-    let emitted = match light {
-        Light::Area(l) => {
-            let sides = if l.two_sided { 2.0 } else { 1.0 };
-            textures.mean(l.radiance) * (l.factor * PI * sides * l.area(&shapes[l.shape as usize].form))
-        }
-        Light::Point(l) => l.intensity * (4.0 * PI),
-        Light::Spot(l) => l.intensity * (TAU * (1.0 - 0.5 * (l.cutoff.cos() + l.beam_width.cos()))),
-        Light::Directional(l) => l.irradiance * disk,
-        Light::Environment(e) => e.mean() * (4.0 * PI * disk),
-    };
-    emitted.max_element()
 }

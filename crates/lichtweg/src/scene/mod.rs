@@ -1,5 +1,6 @@
 //! Scenes: the neutral description, and what it compiles to.
 
+mod candidate;
 mod compile;
 mod curve;
 pub mod description;
@@ -14,7 +15,7 @@ use lichtweg_ray::wide::Row;
 use lichtweg_ray::{Accel, BuildReport, Hit, Ray};
 
 use crate::color::Spectrum;
-use crate::light::{AreaLight, Environment, Light, LightRows, LightSelection, Surroundings};
+use crate::light::{AreaLight, Environment, Light, LightChoice, LightRows, LightSelection, Surroundings};
 use crate::texture::TextureArena;
 
 pub use compile::CompileReport;
@@ -138,9 +139,9 @@ impl Scene {
 
     /// See [`AreaLight::rows`]; `None` for other lights.
     #[inline]
-    pub(crate) fn light_rows(&self, light: u32, u: f32) -> Option<LightRows<'_>> {
-        match &self.lights[light as usize] {
-            Light::Area(light) => light.rows(u, &self.shapes[light.shape as usize].form),
+    pub(crate) fn light_rows(&self, choice: &LightChoice, u: f32) -> Option<LightRows<'_>> {
+        match &self.lights[choice.light as usize] {
+            Light::Area(light) => light.rows(choice.triangle, u, &self.shapes[light.shape as usize].form),
             _ => None,
         }
     }

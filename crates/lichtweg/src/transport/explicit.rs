@@ -15,7 +15,7 @@ use super::sensor::Sensor;
 use super::vertex::Vertex;
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
-use crate::light::{EmissionDensity, Light};
+use crate::light::{EmissionDensity, Light, Receiver};
 use crate::scene::Scene;
 use crate::scene::description::Heuristic;
 
@@ -328,8 +328,8 @@ fn connection(
             f64::from(connection_pdf_area(scene, end.light, receiver, point))
         }
         _ => {
-            f64::from(scene.selection().probability(middles[0].position, end.light))
-                * f64::from(density.start)
+            let to = Receiver::open(middles[0].position);
+            f64::from(scene.selection().probability(&to, end.light, 0)) * f64::from(density.start)
         }
     }
 }

@@ -7,7 +7,7 @@ use lichtweg_ray::math::Vec3;
 use super::fault::{Fault, is_seeded};
 use super::mis::raise;
 use super::vertex::{Departure, Vertex};
-use crate::light::{Emission, EmissionDensity, LightSample};
+use crate::light::{Emission, EmissionDensity, LightChoice, LightSample, Receiver};
 use crate::scene::description::Heuristic;
 use crate::scene::{Scene, SurfacePoint};
 
@@ -97,7 +97,8 @@ impl LightStart {
         let connection = match self.emission.point {
             Some(on_light) => connection_pdf_area(scene, self.end.light, receiver, &on_light),
             None => {
-                let probability = scene.selection().probability(receiver.position, self.end.light);
+                let to = Receiver::open(receiver.position);
+                let probability = scene.selection().probability(&to, self.end.light, 0);
                 // A point has no density; directions are chosen alike by both.
                 probability * self.emission.density.start
             }
@@ -122,7 +123,8 @@ pub fn connection_pdf_area(
     let direction = along / distance_squared.sqrt();
     let pdf = area_light.pdf(receiver.position, on_light, direction, scene.form(on_light.shape));
     let cos = on_light.geometric_normal.dot(direction).abs();
-    scene.selection().probability(receiver.position, light) * pdf * cos / distance_squared
+    let to = Receiver::open(receiver.position);
+    scene.selection().probability(&to, light, on_light.primitive) * pdf * cos / distance_squared
 }
 
 /// Sum over all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`.
@@ -151,7 +153,7 @@ pub fn others_of_escape(
 ) -> f64 {
     let (others, _) = departure.arrive(heuristic, 1.0, departure.cos);
     let selection = scene.selection();
-    let connection = selection.probability(departure.position, light) * pdf_direction;
+    let connection = selection.probability(&Receiver::open(departure.position), light, 0) * pdf_direction;
     let start = selection.emitter_probability(light) * pdf_direction;
     raise(heuristic, connection) * others.connected
         + raise(heuristic, start) * raise(heuristic, scene.surroundings().disk_pdf()) * others.shorter
@@ -176,9 +178,10 @@ impl NextEvent {
     /// Chooses a light for a receiver, and a point on it.
     pub fn sample(scene: &Scene, receiver: Vec3, sampler: &mut Sampler) -> Option<Self> {
         let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-        let (index, probability) = scene.selection().sample(receiver, u_light)?;
+        let choice = scene.selection().sample(&Receiver::open(receiver), u_light)?;
+        let LightChoice { light: index, triangle, probability } = choice;
         let light = &scene.lights()[index as usize];
-        let (sample, point) = light.sample_with_point(receiver, u, scene)?;
+        let (sample, point) = light.sample_part(receiver, triangle, u, scene)?;
         let emission = light.emission_density(&sample, point.as_ref(), scene);
         let position = point.map(|p| p.position).or(sample.target).unwrap_or(receiver);
         let end = LightEnd::new(scene, index, position, point, -sample.direction);

@@ -18,7 +18,7 @@ use lichtweg_ray::math::Vec3;
 use super::{PathObserver, mis};
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
-use crate::light::LightSample;
+use crate::light::{LightSample, Receiver};
 use crate::scene::description::{Heuristic, IntegratorDescription, LightStrategy};
 use crate::scene::{RayCounts, Scatterer, Scene, SurfacePoint};
 
@@ -53,6 +53,8 @@ impl WalkCounts {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Departure {
     pub position: Vec3,
+    /// The normal there, as the choice of lights sees it.
+    pub normal: Vec3,
     /// Density per solid angle of the direction taken; `None` where no connection could have taken it.
     pub pdf: Option<f32>,
 }
@@ -97,6 +99,12 @@ struct Vertex<'a> {
     time: f32,
 }
 
+impl Departure {
+    fn receiver(&self) -> Receiver {
+        Receiver { position: self.position, normal: self.normal }
+    }
+}
+
 impl Walk {
     /// A walk along a camera ray.
     pub fn new(ray: Ray, sampler: Sampler) -> Self {
@@ -104,7 +112,7 @@ impl Walk {
             ray,
             throughput: Spectrum::ONE,
             eta: 1.0,
-            departure: Departure { position: ray.origin, pdf: None },
+            departure: Departure { position: ray.origin, normal: Vec3::ZERO, pdf: None },
             sampler,
         }
     }
@@ -210,8 +218,11 @@ impl PathTracer {
             }
             walk.throughput *= 1.0 / survival;
         }
-        walk.departure =
-            Departure { position: point.position, pdf: (connects && !sample.delta).then_some(sample.pdf) };
+        walk.departure = Departure {
+            position: point.position,
+            normal: scatterer.receiving_normal(),
+            pdf: (connects && !sample.delta).then_some(sample.pdf),
+        };
         walk.ray = Ray { time: walk.ray.time, ..Ray::new(point.leave(sample.wi), sample.wi) };
         arrival.goes_on = true;
         arrival
@@ -237,7 +248,7 @@ impl PathTracer {
         }
         let weight = self.hit_weight(departure, || {
             let pdf = light.pdf(departure.position, point, wo, scene.form(point.shape));
-            scene.selection().probability(departure.position, index) * pdf
+            scene.selection().probability(&departure.receiver(), index, point.primitive) * pdf
         });
         radiance * weight
     }
@@ -247,7 +258,7 @@ impl PathTracer {
     fn escaped(&self, scene: &Scene, direction: Vec3, departure: &Departure) -> Spectrum {
         scene.environments().fold(Spectrum::ZERO, |sum, (index, environment)| {
             let weight = self.hit_weight(departure, || {
-                scene.selection().probability(departure.position, index) * environment.pdf(direction)
+                scene.selection().probability(&departure.receiver(), index, 0) * environment.pdf(direction)
             });
             sum + environment.radiance(direction) * weight
         })
@@ -258,13 +269,15 @@ impl PathTracer {
     fn connect(&self, scene: &Scene, vertex: &Vertex<'_>, walk: &mut Walk) -> Option<Connection> {
         let Vertex { point, wo, scatterer, time } = *vertex;
         let (u_light, u) = (walk.sampler.next_1d(), walk.sampler.next_2d());
-        let (index, probability) = scene.selection().sample(point.position, u_light)?;
-        let sample = scene.lights()[index as usize].sample(point.position, u, scene)?;
+        let receiver = Receiver { position: point.position, normal: scatterer.receiving_normal() };
+        let choice = scene.selection().sample(&receiver, u_light)?;
+        let light = &scene.lights()[choice.light as usize];
+        let (sample, _) = light.sample_part(point.position, choice.triangle, u, scene)?;
         let (scattering, pdf_bsdf) = scatterer.eval_pdf(wo, sample.direction, Mode::Radiance);
         if scattering.is_zero() {
             return None;
         }
-        let pdf = probability * sample.pdf;
+        let pdf = choice.probability * sample.pdf;
         let weight = match self.light {
             LightStrategy::Mis if !sample.delta => mis::weight(self.heuristic, pdf, pdf_bsdf),
             _ => 1.0,

@@ -7,6 +7,7 @@ use lichtweg::bsdf::Mode;
 use lichtweg::camera::Camera;
 use lichtweg::color::Spectrum;
 use lichtweg::film::Pixel;
+use lichtweg::light::Receiver;
 use lichtweg::render::RenderedImage;
 use lichtweg::scene::description::{Description, Diagnostics};
 use lichtweg::scene::{RayCounts, Scatterer, Scene, SurfacePoint};
@@ -94,10 +95,11 @@ fn by_light(
     fault: Fault,
 ) -> Spectrum {
     let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-    let Some((light, probability)) = scene.selection().sample(point.position, u_light) else {
+    let Some(choice) = scene.selection().sample(&receiver(point, scatterer), u_light) else {
         return Spectrum::ZERO;
     };
-    let Some(sample) = scene.lights()[light as usize].sample(point.position, u, scene) else {
+    let light = &scene.lights()[choice.light as usize];
+    let Some((sample, _)) = light.sample_part(point.position, choice.triangle, u, scene) else {
         return Spectrum::ZERO;
     };
     let (mut scattering, pdf_bsdf) = scatterer.eval_pdf(wo, sample.direction, Mode::Radiance);
@@ -113,13 +115,17 @@ fn by_light(
     if fault == Fault::Cosine {
         scattering = scattering / point.shading_normal.dot(sample.direction).abs().max(1e-3);
     }
-    let density = probability * sample.pdf;
+    let density = choice.probability * sample.pdf;
     let weight = match sample.delta || fault == Fault::DoubleCounting {
         true => 1.0,
         false => density / (density + pdf_bsdf),
     };
     let divisor = if fault == Fault::Selection { sample.pdf } else { density };
     scattering * sample.radiance * (visible * weight / divisor)
+}
+
+fn receiver(point: &SurfacePoint, scatterer: &Scatterer<'_>) -> Receiver {
+    Receiver { position: point.position, normal: scatterer.receiving_normal() }
 }
 
 fn by_bsdf(
@@ -132,22 +138,23 @@ fn by_bsdf(
 ) -> Spectrum {
     let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
     let Some(sample) = scatterer.sample(wo, u_lobe, u, Mode::Radiance) else { return Spectrum::ZERO };
-    let weight = |light: u32, pdf_light: f32| {
+    let to = receiver(point, scatterer);
+    let weight = |light: u32, triangle: u32, pdf_light: f32| {
         if sample.delta || !scatterer.bsdf.connects() || fault == Fault::DoubleCounting {
             return 1.0;
         }
         let probability =
-            if fault == Fault::Weights { 1.0 } else { scene.selection().probability(point.position, light) };
+            if fault == Fault::Weights { 1.0 } else { scene.selection().probability(&to, light, triangle) };
         sample.pdf / (sample.pdf + probability * pdf_light)
     };
     let ray = Ray::new(point.leave(sample.wi), sample.wi);
     let incident = match scene.intersect(&ray, &mut RayCounts::default(), || sampler.next_1d()) {
         Some(hit) => scene.area_light(&hit).map_or(Spectrum::ZERO, |(index, light)| {
             let pdf = light.pdf(point.position, &hit, sample.wi, scene.form(hit.shape));
-            light.radiance(&hit, -sample.wi, scene.textures()) * weight(index, pdf)
+            light.radiance(&hit, -sample.wi, scene.textures()) * weight(index, hit.primitive, pdf)
         }),
         None => scene.environments().fold(Spectrum::ZERO, |sum, (index, e)| {
-            sum + e.radiance(sample.wi) * weight(index, e.pdf(sample.wi))
+            sum + e.radiance(sample.wi) * weight(index, 0, e.pdf(sample.wi))
         }),
     };
     sample.weight * incident

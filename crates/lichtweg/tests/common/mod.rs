@@ -4,6 +4,7 @@
 
 pub mod build;
 pub mod direct;
+pub mod gallery;
 pub mod judge;
 pub mod probe;
 pub mod room;

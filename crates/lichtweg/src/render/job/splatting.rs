@@ -100,6 +100,7 @@ impl Job {
             for tiles in tiles.chunks_mut(batch) {
                 self.render_batch(splatting, scene, tiles, done..end, &mut film, progress);
             }
+            tiles.iter_mut().for_each(|tile| tile.samples = end);
             done = end;
             passes += 1;
             progress.pass_done();
@@ -111,11 +112,11 @@ impl Job {
         if done == 0 {
             return Err(RenderError::Stopped);
         }
-        let mut statistics = self.statistics(&tiles, done, passes);
+        let mut statistics = self.statistics(&tiles, passes);
         let mut image = self.assemble(tiles);
         film.join(&mut image.pixels, done);
         statistics.seconds = start.elapsed().as_secs_f64();
-        Ok(Rendering { image, statistics })
+        Ok(Rendering { image, statistics, panic: None })
     }
 
     /// Takes samples of the pixels of some tiles, and merges what they splat.

@@ -15,6 +15,8 @@ pub struct IntegratorDescription {
     pub light: LightStrategy,
     /// How two strategies for one path are weighted.
     pub heuristic: Heuristic,
+    /// How vertices choose the light that they are connected to.
+    pub light_choice: LightChoiceKind,
     /// Largest number of path edges (1: emitters seen directly, 2: direct light); `None` is unlimited.
     pub max_depth: Option<u32>,
     /// When paths may end early.
@@ -30,6 +32,7 @@ impl Default for IntegratorDescription {
             estimator: EstimatorKind::Path,
             light: LightStrategy::Mis,
             heuristic: Heuristic::Power,
+            light_choice: LightChoiceKind::Auto,
             max_depth: None,
             roulette: RouletteDescription::default(),
             hide_emitters: false,
@@ -66,6 +69,19 @@ pub enum Heuristic {
     Balance,
     /// p_i^2 / sum p_j^2.
     Power,
+}
+
+/// How a vertex chooses the light that it is connected to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightChoiceKind {
+    /// Half by power and half uniformly where there are few; by place where there are many.
+    Auto,
+    /// All lights alike.
+    Uniform,
+    /// By emitted power.
+    Power,
+    /// By a tree that knows the places and directions of lights, and of their triangles.
+    Tree,
 }
 
 /// Russian roulette by throughput.

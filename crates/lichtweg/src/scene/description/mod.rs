@@ -21,7 +21,8 @@ use lichtweg_ray::Placement;
 pub use camera::{CameraDescription, FieldOfView, FilmDescription, FilterDescription, FilterKind, FovAxis};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceMap, Span};
 pub use integrator::{
-    EstimatorKind, Heuristic, IntegratorDescription, LightStrategy, RouletteDescription, SamplerDescription,
+    EstimatorKind, Heuristic, IntegratorDescription, LightChoiceKind, LightStrategy, RouletteDescription,
+    SamplerDescription,
 };
 pub use light::{EnvironmentMapping, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialId, MaterialKind, MicrofacetKind, RoughnessDescription};

@@ -47,6 +47,13 @@ impl Scatterer<'_> {
         self.consistent(wi, sample.wi).then_some(BsdfSample { wi, ..sample })
     }
 
+    /// The normal of the side that all light comes from which it scatters towards where it was looked at from; zero if light may come
+    /// from either side.
+    #[inline]
+    pub fn receiving_normal(&self) -> Vec3 {
+        if self.bsdf.transmits() { Vec3::ZERO } else { self.frame.normal }
+    }
+
     #[inline]
     fn consistent(&self, world: Vec3, local: Vec3) -> bool {
         self.untilted.is_none_or(|n| n.dot(world) * local.z > 0.0)

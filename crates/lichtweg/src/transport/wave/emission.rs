@@ -4,9 +4,9 @@ use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes}
 
 use super::points::{Arrivals, Points};
 use super::queue::{NO_PDF, WalkLanes};
-use super::{PathObserver, Step, lanes_of, vec3};
+use super::{PathObserver, Step, lanes_of, lanes_of_vector, vec3};
 use crate::color::{Spectra, Spectrum};
-use crate::light::{Cone, Sight};
+use crate::light::{Cone, Receiver, Sight};
 use crate::scene::description::LightStrategy;
 use crate::transport::mis;
 
@@ -73,12 +73,14 @@ impl<O: PathObserver> Step<'_, O> {
     /// With which probability connections from the departures would have chosen the lights.
     #[inline(always)]
     fn probabilities<W: Wide>(&self, arrivals: &Arrivals, walks: &WalkLanes<W>, lanes: u32) -> W::F32 {
-        let from = walks.departure;
-        let from = [from.x.to_lanes(), from.y.to_lanes(), from.z.to_lanes()];
+        let from = lanes_of_vector::<W>(walks.departure);
+        let path = walks.path.to_lanes();
         let mut probability = Lanes([0.0; LANES]);
         for lane in lanes_of(lanes) {
-            let light = arrivals.light[lane];
-            probability.0[lane] = self.scene.selection().probability(vec3(&from, lane), light);
+            let normal = self.wave.paths.normal[path.0[lane] as usize];
+            let receiver = Receiver { position: vec3(&from, lane), normal };
+            let (light, primitive) = (arrivals.light[lane], arrivals.primitive(lane));
+            probability.0[lane] = self.scene.selection().probability(&receiver, light, primitive);
         }
         W::F32::load(&probability)
     }

@@ -1,13 +1,15 @@
 //! Lights chosen for sixteen points, and points on them: triangles and whole spheres in lanes, others one by one.
 
-use lichtweg_ray::math::Vector;
+use lichtweg_ray::math::{Vec3, Vector};
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
 use super::points::Points;
-use super::{NO_ROW, PathObserver, Step, lanes_of, load_spectra, load_vector, set_vector, vec3};
+use super::{
+    NO_ROW, PathObserver, Step, lanes_of, lanes_of_vector, load_spectra, load_vector, set_vector, vec3,
+};
 use crate::color::Spectra;
 use crate::lanes::warp;
-use crate::light::{Cone, Sight};
+use crate::light::{Cone, LightChoice, Receiver, Sight};
 use crate::scene::offset::offset;
 use crate::scene::{Facets, Sphere};
 
@@ -42,11 +44,12 @@ struct LightPoints<W: Wide> {
 }
 
 impl<O: PathObserver> Step<'_, O> {
-    /// Chooses lights, and points on them, for sixteen points.
+    /// Chooses lights, and points on them, for sixteen points that receive on the side of their normals.
     #[inline(always)]
     pub(super) fn lights<W: Wide>(
         &self,
         points: &Points<W>,
+        normal: Vector<W::F32>,
         u_light: W::F32,
         [u0, u1]: [W::F32; 2],
         lanes: u32,
@@ -57,16 +60,18 @@ impl<O: PathObserver> Step<'_, O> {
             Chosen { forms: [&NO_ROW; LANES], emissions: [&NO_ROW; LANES], triangles: 0, spheres: 0 };
         let (mut remapped, mut probability) = (u, Lanes::splat(0.0));
         let mut others = 0;
-        let mut choices = [0; LANES];
-        let p = points.position;
-        let position = [p.x.to_lanes(), p.y.to_lanes(), p.z.to_lanes()];
+        let (positions, normals) = (lanes_of_vector::<W>(points.position), lanes_of_vector::<W>(normal));
+        let mut receivers = [Receiver { position: Vec3::ZERO, normal: Vec3::ZERO }; LANES];
+        let mut numbers = [None; LANES];
         for lane in lanes_of(lanes) {
-            let Some((index, p)) = scene.selection().sample(vec3(&position, lane), u_light.0[lane]) else {
-                continue;
-            };
-            choices[lane] = index;
-            probability.0[lane] = p;
-            let Some(rows) = scene.light_rows(index, u.0[lane]) else {
+            receivers[lane] = Receiver { position: vec3(&positions, lane), normal: vec3(&normals, lane) };
+            numbers[lane] = Some(u_light.0[lane]);
+        }
+        let choices = scene.selection().sample_many(&receivers, &numbers);
+        for lane in lanes_of(lanes) {
+            let Some(choice) = &choices[lane] else { continue };
+            probability.0[lane] = choice.probability;
+            let Some(rows) = scene.light_rows(choice, u.0[lane]) else {
                 others |= 1 << lane;
                 continue;
             };
@@ -79,7 +84,7 @@ impl<O: PathObserver> Step<'_, O> {
         others |= near;
         out.probability = W::F32::load(&probability);
         if others != 0 {
-            self.other_lights(&position, &choices, [&u, &u1.to_lanes()], others, &mut out);
+            self.other_lights(&positions, &choices, [&u, &u1.to_lanes()], others, &mut out);
         }
         out
     }
@@ -89,7 +94,7 @@ impl<O: PathObserver> Step<'_, O> {
     fn other_lights<W: Wide>(
         &self,
         position: &[Lanes<f32>; 3],
-        choices: &[u32; LANES],
+        choices: &[Option<LightChoice>; LANES],
         u: [&Lanes<f32>; 2],
         lanes: u32,
         out: &mut LightLanes<W>,
@@ -100,9 +105,10 @@ impl<O: PathObserver> Step<'_, O> {
         let mut pdf = Lanes::splat(1.0);
         let (mut valid, mut near, mut delta) = (0, 0, 0);
         for lane in lanes_of(lanes) {
-            let light = &self.scene.lights()[choices[lane] as usize];
-            let u = [u[0].0[lane], u[1].0[lane]];
-            let Some(sample) = light.sample(vec3(position, lane), u, self.scene) else { continue };
+            let Some(choice) = &choices[lane] else { continue };
+            let light = &self.scene.lights()[choice.light as usize];
+            let (from, u) = (vec3(position, lane), [u[0].0[lane], u[1].0[lane]]);
+            let Some((sample, _)) = light.sample_part(from, choice.triangle, u, self.scene) else { continue };
             valid |= 1 << lane;
             set_vector(&mut direction, lane, sample.direction);
             if let Some(point) = sample.target {

@@ -185,6 +185,11 @@ fn load_spectra<W: Wide>(s: &[Lanes<f32>; 4]) -> Spectra<W::F32> {
     Spectra([W::F32::load(&s[0]), W::F32::load(&s[1]), W::F32::load(&s[2]), W::F32::load(&s[3])])
 }
 
+#[inline(always)]
+fn lanes_of_vector<W: Wide>(v: Vector<W::F32>) -> [Lanes<f32>; 3] {
+    [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
+}
+
 /// The vector of a lane.
 #[inline(always)]
 fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
@@ -261,6 +266,7 @@ impl<O: PathObserver> Step<'_, O> {
         }
         if arrival.goes_on {
             wave.paths.eta[path as usize] = walk.eta;
+            wave.paths.normal[path as usize] = walk.departure.normal;
             wave.next.push(&walk, path);
         }
     }

@@ -100,6 +100,12 @@ impl<'a> Arrivals<'a> {
         out
     }
 
+    /// Number of the primitive that a walk hit.
+    #[inline(always)]
+    pub fn primitive(&self, lane: usize) -> u32 {
+        self.hits.primitive.0[lane]
+    }
+
     /// Whether a walk is on a sphere.
     #[inline(always)]
     pub fn on_sphere<W: Wide>(&self) -> W::Mask {

@@ -29,6 +29,8 @@ pub(super) struct Paths {
     pub key: [Box<[u32]>; 2],
     pub index: Box<[u32]>,
     pub eta: Box<[f32]>,
+    /// Of the latest departure, where the choice of lights asks for it.
+    pub normal: Box<[Vec3]>,
     pub time: Box<[f32]>,
     /// Whether times are not all zero, and matter.
     pub timed: bool,
@@ -40,7 +42,15 @@ fn table<T: Copy + Default>() -> Box<[T]> {
 
 impl Paths {
     pub fn new(kind: SamplerKind) -> Self {
-        Self { kind, key: [table(), table()], index: table(), eta: table(), time: table(), timed: false }
+        Self {
+            kind,
+            key: [table(), table()],
+            index: table(),
+            eta: table(),
+            normal: vec![Vec3::ZERO; CAPACITY].into_boxed_slice(),
+            time: table(),
+            timed: false,
+        }
     }
 
     pub fn kind(&self) -> SamplerKind {
@@ -52,6 +62,7 @@ impl Paths {
         (self.key[0][at], self.key[1][at]) = (state.key as u32, (state.key >> 32) as u32);
         self.index[at] = state.index;
         self.eta[at] = walk.eta;
+        self.normal[at] = walk.departure.normal;
         self.time[at] = walk.ray.time;
         self.timed |= walk.ray.time != 0.0;
     }
@@ -66,7 +77,8 @@ impl Paths {
         self.key[1][range.clone()].copy_from_slice(&draws.key[1].to_lanes().0);
         self.index[range.clone()].copy_from_slice(&draws.index.to_lanes().0);
         self.eta[range.clone()].fill(1.0);
-        self.time[range].fill(0.0);
+        self.time[range.clone()].fill(0.0);
+        self.normal[range].fill(Vec3::ZERO);
     }
 }
 
@@ -254,7 +266,11 @@ impl WalkQueue {
             ray: Ray::new(vector(0), vector(3)).at_time(paths.time[i]),
             throughput: Spectra([r[6], r[7], r[8], r[9]]),
             eta: paths.eta[i],
-            departure: Departure { position: vector(10), pdf: (r[13] != NO_PDF).then_some(r[13]) },
+            departure: Departure {
+                position: vector(10),
+                normal: paths.normal[i],
+                pdf: (r[13] != NO_PDF).then_some(r[13]),
+            },
             sampler: Sampler::from_state(paths.kind, state),
         };
         (walk, path)

@@ -8,7 +8,7 @@ use lichtweg_ray::wide::{Float, FloatLanes, Mask, Wide, Word, WordLanes};
 use super::draws::Draws;
 use super::points::{Arrivals, Materials, Points};
 use super::queue::{ConnectionLanes, NO_PDF, WalkLanes};
-use super::{PathObserver, Step};
+use super::{PathObserver, Step, lanes_of, lanes_of_vector, vec3};
 use crate::scene::description::LightStrategy;
 use crate::scene::offset::offset;
 use crate::transport::mis;
@@ -64,7 +64,7 @@ impl<O: PathObserver> Step<'_, O> {
         let connects = tracer.light != LightStrategy::Naive;
         if connects {
             let (u_light, u) = (draws.next_1d(), draws.next_2d());
-            let light = self.lights::<W>(points, u_light, u, lanes.bits());
+            let light = self.lights::<W>(points, materials.frame.normal, u_light, u, lanes.bits());
             let wi = materials.frame.to_local(light.direction);
             let (scattering, pdf_bsdf) = materials.value_and_pdf(wo, wi);
             let pdf = light.probability * light.pdf;
@@ -109,6 +109,13 @@ impl<O: PathObserver> Step<'_, O> {
         walks.departure = points.position;
         walks.departure_pdf = if connects { proposal.pdf } else { splat(NO_PDF) };
         walks.dimension = draws.dimension;
+        if self.scene.selection().is_by_place() {
+            let normals = lanes_of_vector::<W>(materials.frame.normal);
+            let path = walks.path.to_lanes();
+            for lane in lanes_of(alive.bits()) {
+                self.wave.paths.normal[path.0[lane] as usize] = vec3(&normals, lane);
+            }
+        }
         self.wave.next.append(&walks, alive);
     }
 }
