@@ -195,7 +195,6 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     let probe = Probe { ray: &ray, ..*probe };
     let mut best: Option<(Hit, u32)> = None;
     let (begin, count) = leaf.leaf();
-    // It is not worth its while to remember this for the next leaf: room for it would slow down all queries.
     let curve_ray = (!accel.capsules.is_empty()).then(|| CurveRay::new(&ray));
     let mut near = match &curve_ray {
         Some(curve_ray) => accel.capsules.near(probe.isa, begin, count, curve_ray, tfar),
