@@ -6,7 +6,6 @@ use super::layout::{Block, Bvh, ChildRef, Node};
 use super::slab::{Slab, prepare};
 use crate::accel::Accel;
 use crate::counts;
-use crate::curve::CurveRay;
 use crate::kind::{self, Probe};
 use crate::ray::{Accept, Hit, Ray};
 use crate::simd::{Lanes, WIDTH};
@@ -109,12 +108,10 @@ impl Best {
 pub(crate) struct Other {
     hit: Hit,
     id: u32,
-    /// What curves want to know of the ray, once it has met some.
-    curve_ray: Option<CurveRay>,
 }
 
 impl Other {
-    pub(crate) const NONE: Self = Self { hit: Hit::NONE, id: Best::NOTHING, curve_ray: None };
+    pub(crate) const NONE: Self = Self { hit: Hit::NONE, id: Best::NOTHING };
 
     /// Takes a hit that its kind has not completed yet, and its running number.
     #[inline(always)]
@@ -138,11 +135,11 @@ pub(crate) fn traverse<V: Lanes, const ANY: bool, const FILTERED: bool>(
     accept: Option<Accept>,
 ) -> Option<Hit> {
     let (slab, shear, tfar) = prepare::<V>(ray, accel.bvh.reach)?;
-    let shear = WideShear::<V>::new(&shear);
+    let prepared = (slab, WideShear::<V>::new(&shear));
     let mut best = Best::none(tfar);
     let mut other = Other::NONE;
-    let query = Query { accel, ray, accept };
-    if query.walk::<V, ANY, FILTERED>(&slab, &shear, &mut best, &mut other, accel.bvh.root) {
+    let root = accel.bvh.root;
+    if descend::<V, ANY, FILTERED>(accel, ray, &prepared, accept, &mut best, &mut other, root) {
         return Some(Hit::NONE);
     }
     best.hit(accel, ray, &other)
@@ -166,7 +163,7 @@ impl Best {
     }
 }
 
-/// [`Query::walk`] of a ray that was made ready before.
+/// Looks for something nearer than `best` in and below a child; with `ANY`, whether there is anything.
 #[inline(always)]
 pub(crate) fn descend<V: Lanes, const ANY: bool, const FILTERED: bool>(
     accel: &Accel,
@@ -175,65 +172,39 @@ pub(crate) fn descend<V: Lanes, const ANY: bool, const FILTERED: bool>(
     accept: Option<Accept>,
     best: &mut Best,
     other: &mut Other,
-    from: ChildRef,
+    mut current: ChildRef,
 ) -> bool {
-    Query { accel, ray, accept }.walk::<V, ANY, FILTERED>(slab, shear, best, other, from)
-}
-
-/// What is asked of what.
-#[derive(Clone, Copy)]
-struct Query<'a> {
-    accel: &'a Accel,
-    ray: &'a Ray,
-    accept: Option<Accept<'a>>,
-}
-
-impl Query<'_> {
-    /// Looks for something nearer than `best` in and below a child; with `ANY`, whether there is anything.
-    ///
-    /// The two parts of the ray come by themselves: as one they would be copied, which costs a tenth of a short query.
-    #[inline(always)]
-    fn walk<V: Lanes, const ANY: bool, const FILTERED: bool>(
-        self,
-        slab: &Slab<V>,
-        shear: &WideShear<V>,
-        best: &mut Best,
-        other: &mut Other,
-        mut current: ChildRef,
-    ) -> bool {
-        let Self { accel, ray, accept } = self;
-        let bvh = &accel.bvh;
-        let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
-        let base = entries.as_mut_ptr().cast();
-        let mut stack = Stack { top: base, base };
-        loop {
-            match go::<V, ANY, FILTERED>(bvh, slab, shear, best, &mut stack, current) {
-                Event::Done => return false,
-                Event::Found => return true,
-                Event::Block(index) => {
-                    let block = &bvh.blocks[index];
-                    for lane in 0..WIDTH {
-                        let Some(h) = shear.settle(block, lane, best.t) else { continue };
-                        if FILTERED && !accel.accepts(ray, h, block.ids[lane], accept) {
-                            continue;
-                        }
-                        if ANY {
-                            return true;
-                        }
-                        best.consider(h, block.ids[lane]);
+    let bvh = &accel.bvh;
+    let mut entries: Entries = [const { MaybeUninit::uninit() }; STACK];
+    let base = entries.as_mut_ptr().cast();
+    let mut stack = Stack { top: base, base };
+    loop {
+        match go::<V, ANY, FILTERED>(bvh, slab, shear, best, &mut stack, current) {
+            Event::Done => return false,
+            Event::Found => return true,
+            Event::Block(index) => {
+                let block = &bvh.blocks[index];
+                for lane in 0..WIDTH {
+                    let Some(h) = shear.settle(block, lane, best.t) else { continue };
+                    if FILTERED && !accel.accepts(ray, h, block.ids[lane], accept) {
+                        continue;
                     }
-                }
-                Event::Others(leaf) => {
-                    let probe = Probe { ray, isa: V::ISA, shear: shear.scalar() };
-                    if best.meet::<ANY, FILTERED>(accel, leaf, &probe, accept, other) && ANY {
+                    if ANY {
                         return true;
                     }
+                    best.consider(h, block.ids[lane]);
                 }
             }
-            match stack.pop(best.t) {
-                Some(next) => current = next,
-                None => return false,
+            Event::Others(leaf) => {
+                let probe = Probe { ray, isa: V::ISA, shear: shear.scalar() };
+                if best.meet::<ANY, FILTERED>(accel, leaf, &probe, accept, other) && ANY {
+                    return true;
+                }
             }
+        }
+        match stack.pop(best.t) {
+            Some(next) => current = next,
+            None => return false,
         }
     }
 }
@@ -249,8 +220,7 @@ impl Best {
         accept: Option<Accept>,
         other: &mut Other,
     ) -> bool {
-        let curve_ray = &mut other.curve_ray;
-        let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, probe, curve_ray, self.t, accept);
+        let nearest = kind::nearest::<ANY, FILTERED>(accel, leaf, probe, self.t, accept);
         let Some((hit, id)) = nearest else { return false };
         if self.consider(TriangleHit { t: hit.t, u: hit.u, v: hit.v }, id) {
             other.set(hit, id);

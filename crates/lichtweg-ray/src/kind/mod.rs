@@ -181,14 +181,12 @@ impl Kind {
 }
 
 /// The nearest hit among the items of a leaf with `t <= tfar` that is let count, and its running number; of equally
-/// near ones that of the lowest number. With `ANY` an arbitrary one. Not yet [`Kind::completed`]. `curve_ray` keeps what
-/// leaves with curves want to know of the ray from one to the next.
+/// near ones that of the lowest number. With `ANY` an arbitrary one. Not yet [`Kind::completed`].
 #[inline(never)]
 pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     accel: &Accel,
     leaf: ChildRef,
     probe: &Probe,
-    curve_ray: &mut Option<CurveRay>,
     mut tfar: f32,
     accept: Option<Accept>,
 ) -> Option<(Hit, u32)> {
@@ -197,11 +195,11 @@ pub(crate) fn nearest<const ANY: bool, const FILTERED: bool>(
     let probe = Probe { ray: &ray, ..*probe };
     let mut best: Option<(Hit, u32)> = None;
     let (begin, count) = leaf.leaf();
-    let mut near = (1_u32 << count) - 1;
-    if !accel.capsules.is_empty() {
-        let curve_ray = curve_ray.get_or_insert_with(|| CurveRay::new(&ray));
-        near = accel.capsules.near(probe.isa, begin, count, curve_ray, tfar);
-    }
+    let curve_ray = (!accel.capsules.is_empty()).then(|| CurveRay::new(&ray));
+    let mut near = match &curve_ray {
+        Some(curve_ray) => accel.capsules.near(probe.isa, begin, count, curve_ray, tfar),
+        None => (1_u32 << count) - 1,
+    };
     while near != 0 {
         let item = accel.items[begin + near.trailing_zeros() as usize];
         near &= near - 1;
