@@ -110,11 +110,11 @@ pub struct SolveArgs {
     #[arg(long)]
     rigorous: bool,
 
-    /// Quasi-random walks (scrambled Sobol' points), with intervals from independent scrambles
+    /// Quasi-random walks (scrambled Sobol' points) with intervals from independent scrambles, adjoint where nothing else is said
     #[arg(long, conflicts_with_all = ["rigorous", "neumann"])]
     quasi: bool,
 
-    /// Show contributions by walk length: the terms of the Neumann series
+    /// Show contributions by walk length: the terms of the Neumann series; of adjoint walks where nothing else is said
     #[arg(long)]
     neumann: bool,
 
@@ -229,7 +229,11 @@ fn options(args: &SolveArgs) -> Result<Options, Failure> {
     };
     Ok(Options {
         goal: Goal { relative: args.tolerance, absolute: args.absolute, confidence: args.confidence },
-        method: args.method,
+        // Who asks for what walks alone can show wants walks.
+        method: match args.method {
+            Method::Auto if args.neumann || args.quasi => Method::Adjoint,
+            method => method,
+        },
         score: args.score.map_or(score, |name| match name {
             ScoreName::Terminal => Score::Terminal,
             ScoreName::Collision => Score::Collision,

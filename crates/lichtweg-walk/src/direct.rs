@@ -39,9 +39,12 @@ pub fn fill(a: &Matrix) -> Option<Fill> {
     Some(Fill { entries: count.n_div + n as f64, operations: count.n_mult_subs_ldl })
 }
 
+/// Solves for a right side.
+type Applied = dyn Fn(&[f64]) -> Vec<f64>;
+
 /// A matrix in factors.
 pub struct Factors {
-    solve: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    solve: Box<Applied>,
     /// Which factors.
     pub method: &'static str,
 }

@@ -346,7 +346,9 @@ fn plans_for_several_are_no_worse_than_for_one() {
             assert!(!answer.why.is_empty() && !answer.costs.is_empty(), "{answer:?}");
         }
         // All of them are one solution.
-        assert_eq!(count == 3600, answers.iter().all(|answer| answer.method == Method::Deterministic));
+        let shared =
+            answers.iter().all(|answer| answer.method == Method::Deterministic && answer.shared == count);
+        assert!(count < 3600 || shared, "{:?}", answers[0]);
     }
 }
 

@@ -34,8 +34,14 @@ fn every_estimator_has_the_same_mean_in_both_directions() {
     let mut findings = Vec::new();
     for (case, negative) in [0.0, 0.4].into_iter().enumerate() {
         // Rows above 16 entries use tables, shorter ones are searched.
-        for per_row in [4, 30] {
-            let m = random_matrix(40, per_row, 0.8, negative, 10 + case as u64);
+        // The even choice has a finite variance on lighter rows only.
+        for (per_row, selection, mass) in [
+            (4, Selection::Proportional, 0.8),
+            (30, Selection::Proportional, 0.8),
+            (4, Selection::Uniform, 0.6),
+            (30, Selection::Uniform, 0.6),
+        ] {
+            let m = random_matrix(40, per_row, mass, negative, 10 + case as u64);
             let turned = m.transposed();
             let b: Vec<f64> = (0..40).map(|_| random.between(-negative, 1.0)).collect();
             let mut g = vec![0.0; 40];
@@ -43,25 +49,23 @@ fn every_estimator_has_the_same_mean_in_both_directions() {
             let x = solution(&m, &b);
             let exact: f64 = g.iter().zip(&x).map(|(g, x)| g * x).sum();
             let window = Ending::Window(WeightWindow { low: 0.3, survival: 0.6, high: 1.2 });
-            for selection in [Selection::Proportional, Selection::Uniform] {
-                for (how, ending) in [
-                    (Score::Terminal, Ending::Constant(0.3)),
-                    (Score::Collision, Ending::Constant(0.3)),
-                    (Score::Collision, Ending::Analog),
-                    (Score::Expected, Ending::Analog),
-                    (Score::Collision, window),
-                    (Score::Expected, window),
-                ] {
-                    for (kernel, start, score) in [(&m, &g, &b), (&turned, &b, &g)] {
-                        let tally = walks(kernel, selection, &spread(start), score, (how, ending), 100_000);
-                        let moments = tally.unwrap().moments;
-                        let difference = moments.mean() - exact;
-                        let p = z_test(difference, moments.variance_of_mean()).p_value;
-                        findings.push((
-                            p,
-                            format!("{case} {per_row} {selection:?} {how:?} {ending:?}: {difference}"),
-                        ));
-                    }
+            for (how, ending) in [
+                (Score::Terminal, Ending::Constant(0.3)),
+                (Score::Collision, Ending::Constant(0.3)),
+                (Score::Collision, Ending::Analog),
+                (Score::Expected, Ending::Analog),
+                (Score::Collision, window),
+                (Score::Expected, window),
+            ] {
+                for (kernel, start, score) in [(&m, &g, &b), (&turned, &b, &g)] {
+                    let tally = walks(kernel, selection, &spread(start), score, (how, ending), 100_000);
+                    let moments = tally.unwrap().moments;
+                    let difference = moments.mean() - exact;
+                    let p = z_test(difference, moments.variance_of_mean()).p_value;
+                    findings.push((
+                        p,
+                        format!("{case} {per_row} {selection:?} {how:?} {ending:?}: {difference}"),
+                    ));
                 }
             }
         }

@@ -49,6 +49,8 @@ fn the_answer_is_told_with_its_interval_and_reason() {
     let told = text(
         &place.run(&["solve", "A.mtx", "-b", "b.txt", "-u", "2", "--method", "adjoint", "--neumann"]).stdout,
     );
+    let unsaid = text(&place.run(&["solve", "A.mtx", "-b", "b.txt", "-u", "2", "--neumann"]).stdout);
+    assert!(unsaid.contains("Neumann"), "{unsaid}");
     for expected in
         ["x[2] = ", " +- ", "(95 %)", "adjoint: as asked for", "walks", "steps", "rho(|M|) <=", "Neumann"]
     {

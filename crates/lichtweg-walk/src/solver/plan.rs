@@ -20,7 +20,7 @@ use crate::walk::Tally;
 /// where they go all over it and miss the cache each time.
 const CACHED_STEP: f64 = 25.0;
 const NEAR_STEP: f64 = 40.0;
-const FAR_STEP: f64 = 100.0;
+const FAR_STEP: f64 = 60.0;
 /// Entries of a large system.
 const LARGE: usize = 1 << 18;
 /// Transitions after which a walk is far from its start.
@@ -45,6 +45,8 @@ const FIRST_STAGE: u64 = 1 << 15;
 /// Steps that pilots may take, about: before the first stage, and later.
 const FIRST_PILOT: f64 = 3_000.0;
 const PILOT: f64 = 30_000.0;
+/// Walks whose length is measured.
+const LENGTH_WALKS: u64 = 8;
 /// Walks of a pilot.
 const PILOT_WALKS: (u64, u64) = (32, 512);
 
@@ -76,6 +78,15 @@ impl Solver<'_> {
             let told = |answer| Answer { why: why.clone(), costs: vec![cost], ..answer };
             return Ok(answers.into_iter().map(told).collect());
         }
+        if shared.fewest_walks > shared.cheapest() {
+            let answers = timed(|| self.solve_shared(targets, &shared, options))?;
+            let told = |answer: Answer| Answer {
+                why: shared.why(&answer, shared.fewest_walks),
+                costs: vec![Cost { method: answer.method, seconds: shared.cheapest() * 1e-9 }],
+                ..answer
+            };
+            return Ok(answers.into_iter().map(told).collect());
+        }
         let mut answers = Vec::with_capacity(targets.len());
         let (mut left, mut alone) = (Vec::new(), 0.0);
         for (at, target) in targets.iter().enumerate() {
@@ -88,7 +99,7 @@ impl Solver<'_> {
             answers.push((planned, began.elapsed().as_secs_f64()));
         }
         // Looked into late, since that takes time itself.
-        if !left.is_empty() {
+        if !left.is_empty() && shared.direct.is_infinite() {
             shared.direct = self.direct_cost(alone.min(shared.cheapest()));
         }
         let rest: Vec<Entries> = left.iter().map(|&at| targets[at].clone()).collect();
@@ -324,7 +335,12 @@ impl Solver<'_> {
         let length = if known { 0.0 } else { self.length_of_walks(&targets[0], options)? };
         let deterministic = self.deterministic_cost(&options.goal, length);
         let (direct, forward) = (f64::INFINITY, f64::INFINITY);
-        let mut shared = Shared { deterministic, direct, forward, count };
+        let walk = CREATION + self.nanoseconds_of_steps(false, length);
+        let fewest_walks = if known { 0.0 } else { FEWEST as f64 * walk };
+        let mut shared = Shared { deterministic, direct, forward, fewest_walks, count };
+        if !known {
+            shared.direct = self.direct_cost(fewest_walks.min(deterministic));
+        }
         let making = self.making_columns();
         if count == 1 || !can_share(options) || making > shared.deterministic {
             return Ok(shared);
@@ -349,13 +365,17 @@ impl Solver<'_> {
 
     /// Nanoseconds of a walk like those of a pilot.
     fn nanoseconds_of_walk(&self, forward: bool, pilot: &Tally) -> f64 {
-        let length = pilot.steps_per_walk();
+        CREATION + self.nanoseconds_of_steps(forward, pilot.steps_per_walk())
+    }
+
+    /// Nanoseconds of the transitions of a walk of this length.
+    fn nanoseconds_of_steps(&self, forward: bool, length: f64) -> f64 {
         let step = match self.system.matrix().entries() > LARGE {
             false => CACHED_STEP,
             true if forward || length > LONG => FAR_STEP,
             true => NEAR_STEP,
         };
-        CREATION + step * length
+        step * length
     }
 
     /// Nanoseconds of a factorisation, where it could pay to find them out.
@@ -380,7 +400,7 @@ impl Solver<'_> {
     fn length_of_walks(&self, target: &Entries, options: &Options) -> Result<f64, Refusal> {
         let Some(side) = self.side(false, target, None, options)? else { return Ok(0.0) };
         let kernel = side.kernel(options);
-        let pilot = side.walker(&kernel, options)?.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
+        let pilot = side.walker(&kernel, options)?.tally(options.seed ^ PILOT_SEED, 0, LENGTH_WALKS)?;
         Ok(pilot.steps_per_walk())
     }
 
@@ -409,6 +429,8 @@ struct Shared {
     direct: f64,
     /// One set of forward walks; never, for one functional.
     forward: f64,
+    /// The fewest walks that give an interval, for one functional; 0 where that is not known before.
+    fewest_walks: f64,
     /// Functionals.
     count: usize,
 }
