@@ -137,7 +137,7 @@ impl Scene {
     }
 
     /// See [`AreaLight::rows`]; `None` for other lights.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn light_rows(&self, light: u32, u: f32) -> Option<LightRows<'_>> {
         match &self.lights[light as usize] {
             Light::Area(light) => light.rows(u, &self.shapes[light.shape as usize].form),
