@@ -204,7 +204,7 @@ impl AreaLight {
 
     /// The triangle that [`AreaLight::sample`] chooses by the first of its random numbers, if it was not told which; or the
     /// sphere.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn rows<'a>(&'a self, triangle: Option<u32>, u: f32, form: &'a Form) -> Option<LightRows<'a>> {
         let emission = self.row.as_ref()?;
         match (&self.sampling, form) {

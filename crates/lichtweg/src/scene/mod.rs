@@ -138,7 +138,7 @@ impl Scene {
     }
 
     /// See [`AreaLight::rows`]; `None` for other lights.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn light_rows(&self, choice: &LightChoice, u: f32) -> Option<LightRows<'_>> {
         match &self.lights[choice.light as usize] {
             Light::Area(light) => light.rows(choice.triangle, u, &self.shapes[light.shape as usize].form),
