@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 pub use self::paths::FoundPath;
 pub use self::pyramid::{Pyramid, StrategyImage};
-use self::splatting::{CameraSample, Splatting};
+use self::splatting::{Splatting, bidirectional};
 use super::{Progress, RenderedImage};
 use crate::camera::Camera;
 use crate::color::Spectrum;
@@ -110,6 +110,8 @@ struct Tile {
     window: [u32; 4],
     pixels: Vec<Pixel>,
     auxiliary: Vec<AuxiliarySums>,
+    /// About the radiance of each pixel, where something is known of it and matters.
+    expected: Vec<f32>,
     counts: WalkCounts,
     dropped: u64,
     first_dropped: Option<([u32; 2], u32)>,
@@ -263,6 +265,7 @@ impl Job {
                 window,
                 pixels: vec![Pixel::default(); pixels],
                 auxiliary: vec![AuxiliarySums::default(); if self.auxiliary { pixels } else { 0 }],
+                expected: Vec::new(),
                 counts: WalkCounts::default(),
                 dropped: 0,
                 first_dropped: None,

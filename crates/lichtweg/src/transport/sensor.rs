@@ -3,7 +3,6 @@
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
 
-use super::WalkCounts;
 use super::fault::{Fault, is_seeded};
 use super::mis::raise;
 use super::vertex::Departure;
@@ -11,7 +10,7 @@ use super::visibility::SHADOW_END;
 use crate::camera::{Camera, View};
 use crate::color::Spectrum;
 use crate::scene::description::Heuristic;
-use crate::scene::{Scene, SurfacePoint};
+use crate::scene::SurfacePoint;
 
 /// A camera, and how densely its film is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -60,8 +59,14 @@ impl<'a> Sensor<'a> {
         }
     }
 
-    /// A walk from the eye along a camera ray.
-    pub fn depart(&self, ray: Ray, heuristic: Heuristic) -> Departure {
+    /// The same with the camera as it stands at some time.
+    #[inline]
+    pub fn with<'c>(&self, camera: &'c Camera) -> Sensor<'c> {
+        Sensor { camera, ..*self }
+    }
+
+    /// A walk from the eye along a camera ray; `once` is c of the strategies in which the light finds the lens.
+    pub fn depart(&self, ray: Ray, heuristic: Heuristic, once: f64) -> Departure {
         let cos = ray.direction.dot(self.camera.forward());
         let view = self.camera.view(ray.origin, ray.direction);
         Departure {
@@ -72,9 +77,9 @@ impl<'a> Sensor<'a> {
             pdf: view.map_or(0.0, |v| self.pdf(&v)),
             cos,
             infinite: false,
-            link: 1.0,
+            link: once,
             // c of the strategy in which the light walks into the lens.
-            chain: self.camera.lens_pdf().map_or(0.0, |pdf| 1.0 / raise(heuristic, pdf)),
+            chain: self.camera.lens_pdf().map_or(0.0, |pdf| once / raise(heuristic, pdf)),
         }
     }
 
@@ -112,29 +117,16 @@ impl<'a> Sensor<'a> {
 }
 
 impl Look {
-    /// The fraction of light that passes from a surface point to the lens.
-    pub fn transmittance(
-        &self,
-        point: &SurfacePoint,
-        time: f32,
-        scene: &Scene,
-        counts: &mut WalkCounts,
-    ) -> f32 {
+    /// The shadow ray between a surface point and the lens.
+    pub fn shadow_ray(&self, point: &SurfacePoint, time: f32) -> Ray {
         let along = point.leave(self.to_lens) - self.lens;
-        let distance = along.length();
-        let ray = Ray {
-            tnear: self.clip[0] / distance,
-            tfar: 1.0 - SHADOW_END,
-            time,
-            ..Ray::new(self.lens, along)
-        };
-        scene.transmittance(&ray, &mut counts.rays)
+        let tnear = self.clip[0] / along.length();
+        Ray { tnear, tfar: 1.0 - SHADOW_END, time, ..Ray::new(self.lens, along) }
     }
 
-    /// The fraction of light that passes from infinitely far to the lens, as far as the camera sees surfaces.
-    pub fn transmittance_from_far(&self, time: f32, scene: &Scene, counts: &mut WalkCounts) -> f32 {
+    /// The shadow ray between infinitely far and the lens, as far as the camera sees surfaces.
+    pub fn shadow_ray_from_far(&self, time: f32) -> Ray {
         let [tnear, tfar] = self.clip;
-        let ray = Ray { tnear, tfar, time, ..Ray::new(self.lens, -self.to_lens) };
-        scene.transmittance(&ray, &mut counts.rays)
+        Ray { tnear, tfar, time, ..Ray::new(self.lens, -self.to_lens) }
     }
 }

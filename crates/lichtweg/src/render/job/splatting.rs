@@ -9,7 +9,9 @@
 use super::*;
 use crate::film::{Splat, SplatFilm};
 use crate::scene::description::EstimatorKind;
-use crate::transport::{Bidirectional, Contribution, ContributionSink, LightTracer, Sensor, Workspace};
+use crate::transport::{
+    Bidirectional, Contribution, ContributionSink, LightTracer, Pair, Sensor, Workspace,
+};
 
 /// An estimator whose samples fall anywhere on the film.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +26,15 @@ const BATCH_SAMPLES: usize = 1 << 17;
 /// Walks from the lights have other random numbers than those from the eye.
 const LIGHT_SEED: u64 = 0x6c69_6768_7477_6567;
 
+/// Samples that are followed together. More are sorted better, fewer stay in the cache.
+const TOGETHER: u32 = 1024;
+
+/// Walks from lights that each walk from the eye is joined with.
+const PARTNERS: u32 = 4;
+
+/// Samples of a pixel after which its mean is first trusted.
+const TRUSTED: u32 = 4;
+
 /// The splats of a tile's samples.
 #[derive(Default)]
 struct TileSplats {
@@ -37,6 +48,24 @@ impl TileSplats {
         let start = if sample == 0 { 0 } else { self.ends[sample - 1] };
         &self.splats[start..self.ends[sample]]
     }
+
+    /// Appends the splats of samples of `row` pixels each, by sample.
+    fn append(&mut self, mut splats: Vec<(u32, Splat)>, samples: u32, row: u32) {
+        // Stable: the splats of one sample of a pixel stay in their order.
+        splats.sort_by_key(|(sample, _)| *sample);
+        for sample in 1..=samples {
+            let end = splats.partition_point(|(number, _)| *number < sample * row);
+            let start = splats.partition_point(|(number, _)| *number < (sample - 1) * row);
+            self.splats.extend(splats[start..end].iter().map(|(_, splat)| *splat));
+            self.ends.push(self.splats.len());
+        }
+    }
+}
+
+/// Bidirectional path tracing as a description asks for it.
+pub(super) fn bidirectional(description: &Description) -> Bidirectional {
+    let partners = if description.moves() { 1 } else { PARTNERS };
+    Bidirectional::new(&description.integrator).with_partners(partners)
 }
 
 impl Splatting {
@@ -46,32 +75,34 @@ impl Splatting {
         match integrator.estimator {
             EstimatorKind::Path => None,
             EstimatorKind::Light => Some(Self::Light(LightTracer::new(integrator))),
-            EstimatorKind::Bidirectional => Some(Self::Bidirectional(Bidirectional::new(integrator))),
+            EstimatorKind::Bidirectional => Some(Self::Bidirectional(bidirectional(description))),
         }
     }
 }
 
-/// Takes the paths of one sample.
-struct SampleSink<'t> {
+/// Takes the paths of samples.
+struct SampleSink {
     size: [u32; 2],
     scale: f32,
-    radiance: Spectrum,
-    splats: &'t mut Vec<Splat>,
-    invalid: bool,
+    /// Of each sample.
+    radiance: Vec<Spectrum>,
+    splats: Vec<(u32, Splat)>,
+    /// Samples with splats that are none.
+    invalid: Vec<u32>,
 }
 
-impl ContributionSink for SampleSink<'_> {
+impl ContributionSink for SampleSink {
     #[inline]
     fn add(&mut self, contribution: &Contribution<'_, '_>) {
         let value = contribution.value * contribution.weight;
         match contribution.film {
-            None => self.radiance += value,
+            None => self.radiance[contribution.sample as usize] += value,
             Some(film) => {
                 let splat = Splat::new(film, self.size, value * self.scale);
                 if splat.is_valid() {
-                    self.splats.push(splat);
+                    self.splats.push((contribution.sample, splat));
                 } else {
-                    self.invalid = true;
+                    self.invalid.push(contribution.sample);
                 }
             }
         }
@@ -151,55 +182,82 @@ impl Job {
         let mut workspace = Workspace::default();
         let mut splats = TileSplats::default();
         let mut counts = WalkCounts::default();
-        for index in samples.clone() {
-            for i in 0..tile.pixels.len() {
-                let position = tile.position(i as u32);
-                let mut sink = SampleSink {
-                    size: self.size,
-                    scale: self.film_scale,
-                    radiance: Spectrum::ZERO,
-                    splats: &mut splats.splats,
-                    invalid: false,
-                };
-                let CameraSample { ray, weight, mut sampler, mut light_sampler } =
-                    CameraSample::new(self, position, index);
-                match splatting {
-                    Splatting::Light(tracer) => tracer.sample(
-                        scene,
-                        &sensor,
-                        ray.time,
-                        &mut light_sampler,
-                        &mut workspace,
-                        &mut counts,
-                        &mut sink,
-                    ),
-                    Splatting::Bidirectional(tracer) => tracer.sample(
-                        scene,
-                        &sensor,
-                        ray,
-                        [&mut sampler, &mut light_sampler],
-                        expected(&tile.pixels[i], self.film_scale),
-                        &mut workspace,
-                        &mut counts,
-                        &mut sink,
-                    ),
-                }
-                let SampleSink { radiance, invalid, .. } = sink;
-                if invalid {
-                    tile.dropped += 1;
-                    tile.first_dropped.get_or_insert((position, index));
-                }
-                tile.add(i as u32, index, radiance, self.film_scale, weight);
-                if let Some(sums) = tile.auxiliary.get_mut(i) {
-                    look(scene, &ray, &mut sampler, sums);
-                }
+        let row = tile.pixels.len() as u32;
+        let mut first = samples.start;
+        while first < samples.end {
+            // What is expected of a pixel changes where the number of its samples doubles, wherever passes are cut.
+            if first >= TRUSTED && first.is_power_of_two() {
+                tile.expected = tile.pixels.iter().map(|pixel| expected(pixel, self.film_scale)).collect();
             }
-            splats.ends.push(splats.splats.len());
+            let most = first + (TOGETHER / row).max(1);
+            let end = samples.end.min(most).min((first + 1).next_power_of_two());
+            self.take_samples(splatting, scene, tile, first..end, &sensor, &mut workspace, &mut counts, &mut splats);
+            first = end;
         }
         tile.counts.merge(&counts);
-        let paths = tile.pixels.len() as u64 * u64::from(samples.end - samples.start);
-        progress.add(paths, counts.rays.closest + counts.rays.occlusion);
+        progress.add(u64::from(row * (samples.end - samples.start)), counts.rays.closest + counts.rays.occlusion);
         splats
+    }
+
+    /// Takes some samples of all pixels of a tile.
+    fn take_samples<'a>(
+        &self,
+        splatting: &Splatting,
+        scene: &'a Scene,
+        tile: &mut Tile,
+        samples: std::ops::Range<u32>,
+        sensor: &Sensor<'_>,
+        workspace: &mut Workspace<'a>,
+        counts: &mut WalkCounts,
+        splats: &mut TileSplats,
+    ) {
+        let row = tile.pixels.len();
+        let (mut pairs, mut weights) = (Vec::new(), Vec::new());
+        for index in samples.clone() {
+            for i in 0..row {
+                let expected = tile.expected.get(i).copied().unwrap_or(0.0);
+                let (pair, weight) = self.pair(tile.position(i as u32), index, expected);
+                pairs.push(pair);
+                weights.push(weight);
+            }
+        }
+        let mut sink = SampleSink {
+            size: self.size,
+            scale: self.film_scale,
+            radiance: vec![Spectrum::ZERO; pairs.len()],
+            splats: Vec::new(),
+            invalid: Vec::new(),
+        };
+        match splatting {
+            Splatting::Light(tracer) => tracer.follow(scene, sensor, &pairs, workspace, counts, &mut sink),
+            Splatting::Bidirectional(tracer) => {
+                tracer.follow(scene, sensor, &pairs, row, workspace, counts, &mut sink);
+            }
+        }
+        let SampleSink { radiance, splats: splatted, invalid, .. } = sink;
+        for (number, (&radiance, &weight)) in radiance.iter().zip(&weights).enumerate() {
+            let (i, index) = (number % row, samples.start + (number / row) as u32);
+            tile.add(i as u32, index, radiance, self.film_scale, weight);
+            if let Some(sums) = tile.auxiliary.get_mut(i) {
+                look(scene, &pairs[number], sums);
+            }
+        }
+        for number in invalid {
+            let position = tile.position(number % row as u32);
+            tile.dropped += 1;
+            tile.first_dropped.get_or_insert((position, samples.start + number / row as u32));
+        }
+        splats.append(splatted, samples.end - samples.start, row as u32);
+    }
+
+    /// A pair of walks for a sample of a pixel, and the weight of the reconstruction filter.
+    pub(super) fn pair(&self, position: [u32; 2], index: u32, expected: f32) -> (Pair, f32) {
+        let (ray, eye, weight) = self.camera_ray(position, index);
+        let [x, y] = position;
+        // The walks of one sample of all pixels are one sequence: stratified over the lights together.
+        let number = y * self.size[0] + x;
+        let light = Sampler::new(self.sampler, self.seed ^ LIGHT_SEED, u64::from(index), number);
+        (Pair { ray, eye, light, expected }, weight)
     }
 }
 
@@ -210,32 +268,11 @@ fn expected(pixel: &Pixel, film_scale: f32) -> f32 {
     if pixel.count >= 4 && mean.is_finite() { mean.max(0.0) } else { 0.0 }
 }
 
-/// The ray of a sample of a pixel.
-pub(super) struct CameraSample {
-    pub ray: Ray,
-    /// Of the reconstruction filter.
-    pub weight: f32,
-    /// What is left of its random numbers.
-    pub sampler: Sampler,
-    /// The random numbers of its walk from a light.
-    pub light_sampler: Sampler,
-}
-
-impl CameraSample {
-    pub fn new(job: &Job, position: [u32; 2], index: u32) -> Self {
-        let (ray, sampler, weight) = job.camera_ray(position, index);
-        let [x, y] = position;
-        // The walks of one sample of all pixels are one sequence: stratified over the lights together.
-        let number = y * job.size[0] + x;
-        let light_sampler = Sampler::new(job.sampler, job.seed ^ LIGHT_SEED, u64::from(index), number);
-        Self { ray, weight, sampler, light_sampler }
-    }
-}
-
 /// Records what the camera sees first.
-fn look(scene: &Scene, ray: &Ray, sampler: &mut Sampler, sums: &mut AuxiliarySums) {
+fn look(scene: &Scene, pair: &Pair, sums: &mut AuxiliarySums) {
+    let Pair { ray, mut eye, .. } = *pair;
     let mut counts = WalkCounts::default();
-    if let Some(point) = scene.intersect(ray, &mut counts.rays, || sampler.next_1d()) {
+    if let Some(point) = scene.intersect(&ray, &mut counts.rays, || eye.next_1d()) {
         let scatterer = scene.scatterer(&point, -ray.direction);
         let sums = std::slice::from_mut(sums);
         let mut observer = FirstSurface { sums, first: 0, per_pixel: 1 };

@@ -47,6 +47,15 @@ impl Scatterer<'_> {
         self.consistent(wi, sample.wi).then_some(BsdfSample { wi, ..sample })
     }
 
+    /// The albedo, where this is Lambert's reflector with its shading normal as it was.
+    #[inline]
+    pub(crate) fn lambert(&self) -> Option<Spectrum> {
+        match self.bsdf {
+            Bsdf::Diffuse(diffuse) if self.untilted.is_none() => Some(diffuse.reflectance),
+            _ => None,
+        }
+    }
+
     #[inline]
     fn consistent(&self, world: Vec3, local: Vec3) -> bool {
         self.untilted.is_none_or(|n| n.dot(world) * local.z > 0.0)

@@ -11,8 +11,8 @@
 
 mod diffuse;
 mod draws;
-mod queue;
-mod vector;
+pub(super) mod queue;
+pub(super) mod vector;
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::wide::{self, Kernel, LANES, Wide};

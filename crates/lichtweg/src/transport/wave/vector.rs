@@ -7,7 +7,7 @@ use lichtweg_ray::wide::Float;
 
 /// Sixteen vectors.
 #[derive(Clone, Copy)]
-pub(super) struct Vector<F> {
+pub struct Vector<F> {
     pub x: F,
     pub y: F,
     pub z: F,
@@ -64,7 +64,7 @@ impl<F: Float> Neg for Vector<F> {
 
 /// Sixteen spectra.
 #[derive(Clone, Copy)]
-pub(super) struct Spectra<F>(pub [F; 4]);
+pub struct Spectra<F>(pub [F; 4]);
 
 impl<F: Float> Spectra<F> {
     #[inline(always)]
