@@ -14,9 +14,7 @@ use rayon::prelude::*;
 use super::Progress;
 use crate::scene::description::Heuristic;
 use crate::scene::{Scene, SurfacePoint};
-use crate::transport::{
-    Crowd, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog,
-};
+use crate::transport::{Crowd, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog};
 
 /// When a walk leaves power on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

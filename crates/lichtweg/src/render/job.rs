@@ -4,6 +4,7 @@
 //! pixel's samples are functions of its position and their index, and are added up in the order of the index, so that the
 //! image is the same bits for any number of threads and any cut into passes.
 
+mod expectation;
 mod paths;
 mod pyramid;
 mod splatting;
@@ -110,8 +111,6 @@ struct Tile {
     window: [u32; 4],
     pixels: Vec<Pixel>,
     auxiliary: Vec<AuxiliarySums>,
-    /// About the radiance of each pixel, where something is known of it and matters.
-    expected: Vec<f32>,
     counts: WalkCounts,
     dropped: u64,
     first_dropped: Option<([u32; 2], u32)>,
@@ -265,7 +264,6 @@ impl Job {
                 window,
                 pixels: vec![Pixel::default(); pixels],
                 auxiliary: vec![AuxiliarySums::default(); if self.auxiliary { pixels } else { 0 }],
-                expected: Vec::new(),
                 counts: WalkCounts::default(),
                 dropped: 0,
                 first_dropped: None,

@@ -16,6 +16,12 @@ use crate::bsdf::Mode;
 use crate::color::Spectrum;
 use crate::scene::{RayCounts, Scene};
 
+/// Weight of a strategy with a factor c, given the sums over the others.
+#[inline]
+fn weight(own: f64, light: f64, eye: f64) -> f32 {
+    (own / (own + light + eye)) as f32
+}
+
 /// A connection whose weighted value is this part of what the pixel will show is surely looked at.
 const LARGE: f32 = 0.15;
 
@@ -31,10 +37,10 @@ pub(super) struct Selection {
 }
 
 impl Selection {
-    /// For a vertex of a pair, by a uniform number.
+    /// For a vertex that contributes to a pixel of about this radiance, by a uniform number.
     #[inline]
-    pub fn new(pair: &Pair, u: impl FnOnce() -> f32) -> Self {
-        let sure = LARGE * pair.expected;
+    pub fn new(expected: f32, u: impl FnOnce() -> f32) -> Self {
+        let sure = LARGE * expected;
         Self { sure, position: if sure > 0.0 { u() } else { 0.0 } }
     }
 
@@ -66,13 +72,6 @@ pub(super) struct Joiner<'p, 'a, S> {
 impl<S: ContributionSink> Joiner<'_, '_, S> {
     fn pair(&self, walk: u32) -> &Pair {
         &self.pairs[walk as usize]
-    }
-
-    /// Weight of a strategy of which there is one sample for each pair, given the sums over the others.
-    #[inline]
-    fn weight(&self, light: f64, eye: f64) -> f32 {
-        let once = self.settings.once();
-        (once / (once + light + eye)) as f32
     }
 
     /// Adds the paths that nothing is in the way of.
@@ -123,10 +122,8 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
             Some(_) if is_seeded(Fault::Weights) => 1.0,
             Some(receiver) => {
                 let once = self.settings.once();
-                self.weight(
-                    0.0,
-                    others_of_hit(self.scene, light, vertex, &receiver.point, heuristic, once),
-                )
+                let others = others_of_hit(self.scene, light, vertex, &receiver.point, heuristic, once);
+                weight(once, 0.0, others)
             }
         };
         self.sink.add(&Contribution {
@@ -156,7 +153,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
                 None => self.direct_weight(),
                 Some(_) => {
                     let (pdf, once) = (environment.pdf(direction), self.settings.once());
-                    self.weight(0.0, others_of_escape(self.scene, light, departure, pdf, heuristic, once))
+                    weight(once, 0.0, others_of_escape(self.scene, light, departure, pdf, heuristic, once))
                 }
             };
             self.sink.add(&Contribution {
@@ -188,15 +185,16 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
             return;
         }
         let heuristic = self.settings.heuristic;
+        let once = self.settings.once();
         let light = match event.sample.delta {
             true => 0.0,
-            false => self.settings.once() * raise(heuristic, scattering.pdf / event.pdf()),
+            false => once * raise(heuristic, scattering.pdf / event.pdf()),
         };
         let arriving = event.emission_over_connection(scattering.cos);
-        let weight = self.weight(light, vertex.others.sum(heuristic, arriving, scattering.pdf_back));
+        let weight = weight(once, light, vertex.others.sum(heuristic, arriving, scattering.pdf_back));
         let value = vertex.throughput * scattering.value * event.sample.radiance * (1.0 / event.pdf());
         let pair = self.pair(vertex.walk);
-        let mut selection = Selection::new(pair, || sampler.next_1d());
+        let mut selection = Selection::new(pair.expected, || sampler.next_1d());
         let Some(compensation) = selection.keep((value * weight).max_element()) else { return };
         let ray = visibility::to_light(&vertex.point, &event.sample, pair.ray.time);
         let candidate = Candidate {
@@ -230,17 +228,22 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         let from_eye = look.pdf * scattering.cos / distance_squared;
         let light_sum = vertex.others.sum(heuristic, from_eye, scattering.pdf_back);
         // t = 0: the walk goes on into the lens.
+        let once = self.settings.once();
         let eye_sum = camera.lens_pdf().map_or(0.0, |lens_pdf| {
             let ratio = scattering.pdf * look.cos / (distance_squared * lens_pdf);
-            self.settings.once() * raise(heuristic, ratio)
+            once * raise(heuristic, ratio)
         });
+        let weight = weight(once, light_sum, eye_sum);
+        let value = vertex.throughput * scattering.value * (look.pdf / distance_squared);
+        let mut selection = Selection::new(sensor.expected(look.film), || sampler.next_1d());
+        let Some(compensation) = selection.keep((value * weight).max_element()) else { return };
         let candidate = Candidate {
             sample: vertex.walk,
             s: light.len() + 1,
             t: 1,
             film: Some(look.film),
-            value: vertex.throughput * scattering.value * (look.pdf / distance_squared),
-            weight: self.weight(light_sum, eye_sum),
+            value: value * compensation,
+            weight,
             lens,
             end: End::Start(vertex.walk),
             light: light.index(),
@@ -283,10 +286,11 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         };
         let Bidirectional { heuristic, .. } = *self.settings;
         let mut others = departure.arrive(heuristic, there, back);
-        others.connected *= self.settings.once();
+        let once = self.settings.once();
+        others.connected *= once;
         let weight = match direct {
             true => 0.0,
-            false => self.weight(others.sum(heuristic, lens_pdf, look.pdf), 0.0),
+            false => weight(once, others.sum(heuristic, lens_pdf, look.pdf), 0.0),
         };
         let candidate = Candidate {
             sample: walk,

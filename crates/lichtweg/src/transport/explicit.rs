@@ -16,8 +16,8 @@ use super::vertex::Vertex;
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
 use crate::light::{EmissionDensity, Light};
-use crate::scene::{Scene, SurfacePoint};
 use crate::scene::description::Heuristic;
+use crate::scene::{Scene, SurfacePoint};
 
 /// A path, from the light (vertex 0) to the lens.
 #[derive(Clone, Debug)]

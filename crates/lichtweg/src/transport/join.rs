@@ -90,13 +90,11 @@ struct Block {
 }
 
 impl Block {
-    const EMPTY: Self =
-        Self { columns: [Lanes::splat(0.0); 15], vertices: [Trail::NONE; LANES], len: 0 };
+    const EMPTY: Self = Self { columns: [Lanes::splat(0.0); 15], vertices: [Trail::NONE; LANES], len: 0 };
 
     fn push(&mut self, reflector: &Reflector, number: u32, vertex: u32) {
         let Reflector { position: p, normal: n, geometric_normal: g, flux: Spectrum(f), root } = *reflector;
-        let row =
-            [p.x, p.y, p.z, n.x, n.y, n.z, g.x, g.y, g.z, f[0], f[1], f[2], f[3], root, number as f32];
+        let row = [p.x, p.y, p.z, n.x, n.y, n.z, g.x, g.y, g.z, f[0], f[1], f[2], f[3], root, number as f32];
         for (column, value) in self.columns.iter_mut().zip(row) {
             column.0[self.len] = value;
         }
@@ -159,7 +157,12 @@ impl Kernel for Join<'_> {
         let possible = zero.lt(cos_light) & column(14).le(splat(self.longest));
         let factor = (pdf_eye * geometric_light * per_area).select(possible, zero);
         let flux = Spectra([column(9), column(10), column(11), column(12)])
-            * Spectra([splat(eye.flux.0[0]), splat(eye.flux.0[1]), splat(eye.flux.0[2]), splat(eye.flux.0[3])]);
+            * Spectra([
+                splat(eye.flux.0[0]),
+                splat(eye.flux.0[1]),
+                splat(eye.flux.0[2]),
+                splat(eye.flux.0[3]),
+            ]);
         let worth = flux.max_element() * factor * weight;
         Joined {
             lit: zero.lt(worth).bits(),
@@ -256,10 +259,7 @@ impl Partners {
         let pair = pair as usize;
         let group = pair / self.row * self.groups_a_row + pair % self.row % self.groups_a_row;
         let ([block, other], [next_block, next_other]) = (self.groups[group], self.groups[group + 1]);
-        (
-            &self.blocks[block as usize..next_block as usize],
-            &self.others[other as usize..next_other as usize],
-        )
+        (&self.blocks[block as usize..next_block as usize], &self.others[other as usize..next_other as usize])
     }
 }
 
@@ -283,8 +283,9 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
                 continue;
             }
             let pair: &Pair = &self.pairs[z.walk as usize];
-            let mut selection =
-                Selection::new(pair, || pair.eye.at_dimension(SELECTION_DIMENSION + z.number).next_1d());
+            let mut selection = Selection::new(pair.expected, || {
+                pair.eye.at_dimension(SELECTION_DIMENSION + z.number).next_1d()
+            });
             let trail = Trail::new(eye, i as u32);
             match Reflector::new(z, Mode::Radiance, self.settings.heuristic) {
                 Some(reflector) => {

@@ -8,9 +8,7 @@
 use lichtweg_montecarlo::Sampler;
 
 use super::WalkCounts;
-use super::bidirectional::{
-    Bidirectional, Contribution, ContributionSink, END_DIMENSION, Pair, Workspace,
-};
+use super::bidirectional::{Bidirectional, Contribution, ContributionSink, END_DIMENSION, Pair, Workspace};
 use super::connect::Joiner;
 use super::sensor::Sensor;
 use super::vertex::{Trail, Vertex};

@@ -25,7 +25,7 @@ pub use light::{LightTracer, walk_analog};
 pub use light_end::{LightEnd, LightStart};
 pub use observer::PathObserver;
 pub use path::{PathTracer, WalkCounts};
-pub use sensor::{Look, Sensor};
+pub use sensor::{Expectation, Look, Sensor};
 pub use vertex::{Departure, Onward, Others, Scattering, Trail, Vertex};
 pub use walk::{Crowd, Survival, Traveller, Walk, WalkVisitor};
 pub use wave::Wave;

@@ -78,8 +78,7 @@ fn pairs(d: &Description, camera: &Camera, pass: u32) -> Vec<Pair> {
         let mut eye = Sampler::new(SamplerKind::Independent, 1, u64::from(i), pass);
         let light = Sampler::new(SamplerKind::Independent, 2, u64::from(i), pass);
         let [x, y] = eye.next_2d();
-        let film =
-            [((i % size[0]) as f32 + x) / size[0] as f32, ((i / size[0]) as f32 + y) / size[1] as f32];
+        let film = [((i % size[0]) as f32 + x) / size[0] as f32, ((i / size[0]) as f32 + y) / size[1] as f32];
         let ray = camera.ray(film, eye.next_2d(), 0.0);
         Pair { ray, eye, light, expected: 0.0 }
     };
@@ -134,7 +133,7 @@ impl ContributionSink for ByDefinition<'_> {
             return;
         };
         *self.seen.entry((s, t)).or_default() += 1;
-        let total: f64 = path.strategies.iter().map(|s| s.weight).sum();
+        let total = path.strategies.iter().map(|s| s.weight).sum::<f64>();
         let expected = path.strategies[path.s].weight;
         let estimate = path.estimate();
         let close = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * (a.abs() + b.abs()) + 1e-7;
@@ -221,7 +220,7 @@ fn pairs_go_together_as_they_go_alone() {
         };
         let together = follow(&pairs);
         let alone: Vec<_> = pairs.chunks(row).flat_map(&mut follow).collect();
-        assert!(together.iter().map(Vec::len).sum::<usize>() > 5000);
+        assert!(together.iter().map(Vec::len).sum::<usize>() > 1000, "{partners} partners");
         assert!(together == alone, "{partners} partners");
     }
 }

@@ -9,8 +9,8 @@ use super::vertex::Departure;
 use super::visibility::SHADOW_END;
 use crate::camera::{Camera, View};
 use crate::color::Spectrum;
-use crate::scene::description::Heuristic;
 use crate::scene::SurfacePoint;
+use crate::scene::description::Heuristic;
 
 /// A camera, and how densely its film is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,31 @@ pub struct Sensor<'a> {
     pub film_pdf: f32,
     /// The part of the film that pixels to be rendered respond to: from and to, in film coordinates.
     pub reach: [[f32; 2]; 2],
+    /// About the radiance that the film shows, if that is known.
+    pub expectation: Option<&'a Expectation>,
+}
+
+/// About the radiance of each pixel of a window of the film.
+#[derive(Clone, Debug)]
+pub struct Expectation {
+    /// Full film size.
+    pub size: [u32; 2],
+    /// x, y, width, height.
+    pub window: [u32; 4],
+    /// Row by row; the largest of all channels.
+    pub radiance: Vec<f32>,
+}
+
+impl Expectation {
+    /// That of the pixel that a place of the film in [0, 1]^2 belongs to, or of the next one.
+    #[inline]
+    pub fn at(&self, film: [f32; 2]) -> f32 {
+        let [x0, y0, width, height] = self.window;
+        let pixel = |i: usize, first: u32, count: u32| {
+            ((film[i] * self.size[i] as f32) as u32).clamp(first, first + count - 1) - first
+        };
+        self.radiance[(pixel(1, y0, height) * width + pixel(0, x0, width)) as usize]
+    }
 }
 
 /// A point on the lens that looks at something.
@@ -56,12 +81,27 @@ impl<'a> Sensor<'a> {
                 [bound(0, x, -1.0), bound(1, y, -1.0)],
                 [bound(0, x + width, 1.0), bound(1, y + height, 1.0)],
             ],
+            expectation: None,
         }
+    }
+
+    /// The same, with what is known of the film.
+    pub fn expecting(self, expectation: Option<&'a Expectation>) -> Self {
+        Self { expectation, ..self }
+    }
+
+    /// About the radiance at a place of the film; 0 where nothing is known of it.
+    #[inline]
+    pub fn expected(&self, film: [f32; 2]) -> f32 {
+        self.expectation.map_or(0.0, |e| e.at(film))
     }
 
     /// The same with the camera as it stands at some time.
     #[inline]
-    pub fn with<'c>(&self, camera: &'c Camera) -> Sensor<'c> {
+    pub fn with<'c>(&self, camera: &'c Camera) -> Sensor<'c>
+    where
+        'a: 'c,
+    {
         Sensor { camera, ..*self }
     }
 

@@ -21,6 +21,7 @@
 //!
 //! Roulette and holes are left out of all densities: weights need to sum to one only.
 
+use lichtweg_montecarlo::warp;
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
 
@@ -100,7 +101,7 @@ pub struct Vertex<'a> {
     /// Surface vertices up to this one.
     pub number: u32,
     /// Where the one before is, among the vertices of all these walks.
-    before: u32,
+    pub(super) before: u32,
 }
 
 /// A walk up to one of its surface vertices, which lie scattered among those of all walks that go together.
@@ -194,29 +195,15 @@ pub struct Scattering {
     pub cos: f32,
 }
 
-impl<'a> Vertex<'a> {
-    /// At which a walk arrives.
-    #[inline]
-    pub(super) fn new(
-        point: SurfacePoint,
-        scatterer: Scatterer<'a>,
-        wo: Vec3,
-        throughput: Spectrum,
-        others: Others,
-    ) -> Self {
-        let onward = None;
-        Self { point, scatterer, wo, throughput, others, onward, walk: 0, number: 0, before: Trail::NONE }
-    }
-
-    /// The same as number `number` of a walk, behind another.
-    #[inline]
-    pub(super) fn behind(self, walk: u32, number: u32, before: u32) -> Self {
-        Self { walk, number, before, ..self }
-    }
-
+impl Vertex<'_> {
     /// Scattering towards the unit direction `wi`, of a walk that carries `mode`; single directions are left out.
     #[inline]
     pub fn scatter(&self, wi: Vec3, mode: Mode) -> Scattering {
+        if let Some(albedo) = self.scatterer.lambert()
+            && mode == Mode::Radiance
+        {
+            return self.reflect(albedo, wi);
+        }
         let (mut value, pdf) = self.scatterer.eval_pdf(self.wo, wi, mode);
         let cos = self.point.geometric_normal.dot(wi).abs();
         if value.is_zero() {
@@ -227,6 +214,25 @@ impl<'a> Vertex<'a> {
         }
         let value = value * self.adjoint_correction(wi, mode);
         Scattering { value, pdf, pdf_back: self.scatterer.pdf(wi, self.wo), cos }
+    }
+
+    /// [`Vertex::scatter`] of Lambert's reflector.
+    #[inline]
+    fn reflect(&self, albedo: Spectrum, wi: Vec3) -> Scattering {
+        let normal = self.scatterer.frame.normal;
+        let [from, to] = [self.wo, wi].map(|w| warp::cosine_hemisphere_pdf(normal.dot(w)));
+        let pdf = if from > 0.0 { to } else { 0.0 };
+        let pdf_back = if to > 0.0 { from } else { 0.0 };
+        Scattering { value: albedo * pdf, pdf, pdf_back, cos: self.point.geometric_normal.dot(wi).abs() }
+    }
+
+    /// Density per solid angle of going from `wi` to the vertex before.
+    #[inline]
+    pub fn pdf_back(&self, wi: Vec3) -> f32 {
+        match self.scatterer.lambert() {
+            Some(albedo) => self.reflect(albedo, wi).pdf_back,
+            None => self.scatterer.pdf(wi, self.wo),
+        }
     }
 
     /// What makes the scattering function adjoint where the shading normal is not the geometric one: walks from the eye carry

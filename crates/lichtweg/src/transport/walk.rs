@@ -13,7 +13,7 @@ use super::WalkCounts;
 use super::fault::{Fault, is_seeded};
 use super::mis::raise;
 use super::packets::{self, Order};
-use super::vertex::{Departure, Onward, Trail, Vertex};
+use super::vertex::{Departure, Onward, Others, Trail, Vertex};
 use crate::bsdf::Mode;
 use crate::scene::description::Heuristic;
 use crate::scene::{Scene, SurfacePoint};
@@ -129,18 +129,23 @@ impl<'a> Walk<'a> {
             counts.edges += travellers.len() as u64;
             counts.rays.closest += travellers.len() as u64;
             order.sort(travellers.iter().map(|t| t.departure.ray.direction));
-            packets::closest(self.scene, order, |i| travellers[i].departure.ray, |i, ray, hit| {
-                let mut traveller = travellers[i];
-                let u = || traveller.sampler.next_1d();
-                match hit.and_then(|hit| self.scene.point(ray, &hit, &mut counts.rays, u)) {
-                    None => visitor.escapes(&traveller, Trail::new(path, traveller.last)),
-                    Some(point) => {
-                        if self.arrive(&mut traveller, point, number, path, visitor) {
-                            next.push(traveller);
+            packets::closest(
+                self.scene,
+                order,
+                |i| travellers[i].departure.ray,
+                |i, ray, hit| {
+                    let mut traveller = travellers[i];
+                    let u = || traveller.sampler.next_1d();
+                    match hit.and_then(|hit| self.scene.point(ray, &hit, &mut counts.rays, u)) {
+                        None => visitor.escapes(&traveller, Trail::new(path, traveller.last)),
+                        Some(point) => {
+                            if self.arrive(&mut traveller, point, number, path, visitor) {
+                                next.push(traveller);
+                            }
                         }
                     }
-                }
-            });
+                },
+            );
             std::mem::swap(travellers, next);
             next.clear();
         }
@@ -160,9 +165,24 @@ impl<'a> Walk<'a> {
         if number == 1 {
             traveller.departure.link = visitor.first_link(traveller.walk, &point);
         }
-        let Some(vertex) = self.vertex(&traveller.departure, point) else { return false };
+        let (from, wo) = (&traveller.departure, -traveller.departure.ray.direction);
+        let others = self.others(from, &point);
+        if !(others.connected + others.shorter).is_finite() {
+            // By rounding, there is no density.
+            return false;
+        }
         let last = path.len() as u32;
-        path.push(vertex.behind(traveller.walk, number as u32, traveller.last));
+        path.push(Vertex {
+            scatterer: self.scene.scatterer(&point, wo),
+            point,
+            wo,
+            throughput: from.throughput,
+            others,
+            onward: None,
+            walk: traveller.walk,
+            number: number as u32,
+            before: traveller.last,
+        });
         traveller.last = last;
         visitor.arrives(Trail::new(path, last), &mut traveller.sampler);
         if number >= self.max_vertices && !self.leaves_last {
@@ -177,13 +197,8 @@ impl<'a> Walk<'a> {
                 traveller.eta *= sample.eta;
             }
             let weight = sample.weight * vertex.adjoint_correction(sample.wi, self.mode);
-            let onward = Onward {
-                direction: sample.wi,
-                pdf: sample.pdf,
-                delta: sample.delta,
-                weight,
-                survival: 1.0,
-            };
+            let onward =
+                Onward { direction: sample.wi, pdf: sample.pdf, delta: sample.delta, weight, survival: 1.0 };
             (!(vertex.throughput * weight).is_zero()).then_some(onward)
         });
         let Some(mut onward) = onward else {
@@ -206,19 +221,14 @@ impl<'a> Walk<'a> {
         true
     }
 
-    /// The vertex at which a departure arrives; `None` where rounding leaves no density.
+    /// What the vertex knows at which a departure arrives.
     #[inline]
-    fn vertex(&self, from: &Departure, point: SurfacePoint) -> Option<Vertex<'a>> {
-        let wo = -from.ray.direction;
-        let cos = point.geometric_normal.dot(wo).abs();
+    fn others(&self, from: &Departure, point: &SurfacePoint) -> Others {
+        let cos = point.geometric_normal.dot(from.ray.direction).abs();
         let per_area = 1.0 / (point.position - from.position).length_squared();
         let (there, back) = if from.infinite { (cos, 1.0) } else { (cos * per_area, from.cos * per_area) };
         let there = if from.infinite && is_seeded(Fault::DistantDensity) { cos * per_area } else { there };
-        let others = from.arrive(self.heuristic, there, back);
-        let scatterer = || self.scene.scatterer(&point, wo);
-        (others.connected + others.shorter)
-            .is_finite()
-            .then(|| Vertex::new(point, scatterer(), wo, from.throughput, others))
+        from.arrive(self.heuristic, there, back)
     }
 
     /// The departure from a vertex.
@@ -227,7 +237,7 @@ impl<'a> Walk<'a> {
         let Vertex { point, others, .. } = vertex;
         let wi = onward.direction;
         // A lobe of a single direction is as likely one way as the other.
-        let back = if onward.delta { onward.pdf } else { vertex.scatterer.pdf(wi, vertex.wo) };
+        let back = if onward.delta { onward.pdf } else { vertex.pdf_back(wi) };
         let connected = if onward.delta { 0.0 } else { others.connected };
         Departure {
             ray: Ray { time, ..Ray::new(point.leave(wi), wi) },

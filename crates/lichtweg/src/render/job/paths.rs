@@ -51,7 +51,8 @@ impl Job {
         let camera = self.camera.at(pair.ray.time);
         let sensor = Sensor::new(&camera, self.size, self.window, self.filter.radius());
         let tracer = Bidirectional::new(&description.integrator);
-        let mut finder = Finder { scene, sensor: &sensor, tracer: &tracer, size: self.size, found: Vec::new() };
+        let mut finder =
+            Finder { scene, sensor: &sensor, tracer: &tracer, size: self.size, found: Vec::new() };
         let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
         tracer.follow(scene, &sensor, &[pair], 1, &mut workspace, &mut counts, &mut finder);
         (finder.found, weight)

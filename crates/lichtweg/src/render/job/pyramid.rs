@@ -150,7 +150,8 @@ impl Job {
                             let [x, y] = [position[0] - x0, position[1] - y0];
                             pixels.push(((y * width + x) as usize, filter));
                         }
-                        let mut sink = Collector { max_depth, pixels, scale: self.film_scale, items: Vec::new() };
+                        let mut sink =
+                            Collector { max_depth, pixels, scale: self.film_scale, items: Vec::new() };
                         let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
                         tracer.follow(scene, &sensor, &pairs, row, &mut workspace, &mut counts, &mut sink);
                         progress.add(row as u64, counts.rays.closest + counts.rays.occlusion);

@@ -9,9 +9,7 @@
 use super::*;
 use crate::film::{Splat, SplatFilm};
 use crate::scene::description::EstimatorKind;
-use crate::transport::{
-    Bidirectional, Contribution, ContributionSink, LightTracer, Pair, Sensor, Workspace,
-};
+use crate::transport::{Bidirectional, Contribution, ContributionSink, LightTracer, Pair, Sensor, Workspace};
 
 /// An estimator whose samples fall anywhere on the film.
 #[derive(Clone, Copy, Debug)]
@@ -30,10 +28,7 @@ const LIGHT_SEED: u64 = 0x6c69_6768_7477_6567;
 const TOGETHER: u32 = 1024;
 
 /// Walks from lights that each walk from the eye is joined with.
-const PARTNERS: u32 = 4;
-
-/// Samples of a pixel after which its mean is first trusted.
-const TRUSTED: u32 = 4;
+const PARTNERS: u32 = 8;
 
 /// The splats of a tile's samples.
 #[derive(Default)]
@@ -123,18 +118,26 @@ impl Job {
         let area = self.window[2] as usize * self.window[3] as usize;
         let most = (BATCH_SAMPLES / area).max(1) as u32;
         let (mut done, mut passes, mut pass_samples) = (0, 0, 1);
+        let mut expectation = None;
         while done < self.samples_per_pixel && !progress.is_stopped() {
             let pass_start = Instant::now();
-            let end = done + pass_samples.min(self.samples_per_pixel - done);
+            // What is expected changes where the number of samples doubles, wherever passes are cut.
+            if done.is_power_of_two() && matches!(splatting, Splatting::Bidirectional(_)) {
+                expectation = Some(self.expectation(&tiles, &film, done));
+            }
+            let end = (done + pass_samples).min(self.samples_per_pixel).min((done + 1).next_power_of_two());
+            let sensor = Sensor::new(&self.camera, self.size, self.window, self.filter.radius())
+                .expecting(expectation.as_ref());
             // Where one sample of each pixel is a batch already, so many tiles are one.
             let batch = if most > 1 { tiles.len() } else { BATCH_SAMPLES / (TILE * TILE) as usize };
             for tiles in tiles.chunks_mut(batch) {
-                self.render_batch(splatting, scene, tiles, done..end, &mut film, progress);
+                self.render_batch(splatting, scene, &sensor, tiles, done..end, &mut film, progress);
             }
+            let taken = end - done;
             done = end;
             passes += 1;
             progress.pass_done();
-            let Some(next) = self.next_pass(pass_start.elapsed(), start.elapsed(), pass_samples) else {
+            let Some(next) = self.next_pass(pass_start.elapsed(), start.elapsed(), taken) else {
                 break;
             };
             pass_samples = next.min(most);
@@ -154,6 +157,7 @@ impl Job {
         &self,
         splatting: &Splatting,
         scene: &Scene,
+        sensor: &Sensor<'_>,
         tiles: &mut [Tile],
         samples: std::ops::Range<u32>,
         film: &mut SplatFilm,
@@ -161,7 +165,7 @@ impl Job {
     ) {
         let splats: Vec<TileSplats> = tiles
             .par_iter_mut()
-            .map(|tile| self.render_splatting_tile(splatting, scene, tile, samples.clone(), progress))
+            .map(|tile| self.render_splatting_tile(splatting, scene, sensor, tile, samples.clone(), progress))
             .collect();
         let lists: Vec<(u32, &[Splat])> = samples
             .enumerate()
@@ -174,28 +178,22 @@ impl Job {
         &self,
         splatting: &Splatting,
         scene: &Scene,
+        sensor: &Sensor<'_>,
         tile: &mut Tile,
         samples: std::ops::Range<u32>,
         progress: &Progress,
     ) -> TileSplats {
-        let sensor = Sensor::new(&self.camera, self.size, self.window, self.filter.radius());
         let mut workspace = Workspace::default();
         let mut splats = TileSplats::default();
         let mut counts = WalkCounts::default();
         let row = tile.pixels.len() as u32;
-        let mut first = samples.start;
-        while first < samples.end {
-            // What is expected of a pixel changes where the number of its samples doubles, wherever passes are cut.
-            if first >= TRUSTED && first.is_power_of_two() {
-                tile.expected = tile.pixels.iter().map(|pixel| expected(pixel, self.film_scale)).collect();
-            }
-            let most = first + (TOGETHER / row).max(1);
-            let end = samples.end.min(most).min((first + 1).next_power_of_two());
-            self.take_samples(splatting, scene, tile, first..end, &sensor, &mut workspace, &mut counts, &mut splats);
-            first = end;
+        for first in samples.clone().step_by((TOGETHER / row).max(1) as usize) {
+            let some = first..samples.end.min(first + (TOGETHER / row).max(1));
+            self.take_samples(splatting, scene, tile, some, sensor, &mut workspace, &mut counts, &mut splats);
         }
         tile.counts.merge(&counts);
-        progress.add(u64::from(row * (samples.end - samples.start)), counts.rays.closest + counts.rays.occlusion);
+        progress
+            .add(u64::from(row * (samples.end - samples.start)), counts.rays.closest + counts.rays.occlusion);
         splats
     }
 
@@ -215,8 +213,9 @@ impl Job {
         let (mut pairs, mut weights) = (Vec::new(), Vec::new());
         for index in samples.clone() {
             for i in 0..row {
-                let expected = tile.expected.get(i).copied().unwrap_or(0.0);
-                let (pair, weight) = self.pair(tile.position(i as u32), index, expected);
+                let [x, y] = tile.position(i as u32);
+                let center = [(x as f32 + 0.5) / self.size[0] as f32, (y as f32 + 0.5) / self.size[1] as f32];
+                let (pair, weight) = self.pair([x, y], index, sensor.expected(center));
                 pairs.push(pair);
                 weights.push(weight);
             }
@@ -259,13 +258,6 @@ impl Job {
         let light = Sampler::new(self.sampler, self.seed ^ LIGHT_SEED, u64::from(index), number);
         (Pair { ray, eye, light, expected }, weight)
     }
-}
-
-/// The radiance that a pixel has shown so far, about; 0 where nothing is known of it.
-fn expected(pixel: &Pixel, film_scale: f32) -> f32 {
-    let [r, g, b] = pixel.mean().map(|v| v as f32 / film_scale);
-    let mean = r.max(g).max(b);
-    if pixel.count >= 4 && mean.is_finite() { mean.max(0.0) } else { 0.0 }
 }
 
 /// Records what the camera sees first.
