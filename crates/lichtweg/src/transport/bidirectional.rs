@@ -216,6 +216,7 @@ impl Bidirectional {
 
     /// Makes pairs of walks, and all that comes of them. Pairs come in rows of a length, the last of which may not be cut short: those
     /// of a row may share their walks from lights.
+    #[allow(clippy::too_many_arguments, reason = "the two ends, their numbers, and where things go")]
     pub fn follow<'a, S: ContributionSink>(
         &self,
         scene: &'a Scene,

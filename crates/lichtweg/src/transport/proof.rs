@@ -187,8 +187,11 @@ fn paths_are_what_their_factors_say() {
     }
 }
 
-/// The paths of each pair: strategy, place, value and weight.
-struct Lists(Vec<Vec<(u32, u32, Option<[f32; 2]>, [f32; 3], f32)>>);
+/// A path: strategy, place, value and weight.
+type Made = (u32, u32, Option<[f32; 2]>, [f32; 3], f32);
+
+/// The paths of each pair.
+struct Lists(Vec<Vec<Made>>);
 
 impl ContributionSink for Lists {
     const UNWEIGHTED: bool = true;

@@ -6,6 +6,8 @@
 //!
 //! Limit: a crop is not the same bits as that part of the whole image, as walks from the lights know no crop.
 
+use std::ops::Range;
+
 use super::*;
 use crate::film::{Splat, SplatFilm};
 use crate::scene::description::EstimatorKind;
@@ -75,6 +77,15 @@ impl Splatting {
     }
 }
 
+/// What is done to some tiles.
+struct Batch<'b> {
+    splatting: &'b Splatting,
+    scene: &'b Scene,
+    sensor: Sensor<'b>,
+    samples: Range<u32>,
+    progress: &'b Progress,
+}
+
 /// Takes the paths of samples.
 struct SampleSink {
     size: [u32; 2],
@@ -125,13 +136,15 @@ impl Job {
             if done.is_power_of_two() && matches!(splatting, Splatting::Bidirectional(_)) {
                 expectation = Some(self.expectation(&tiles, &film, done));
             }
-            let end = (done + pass_samples).min(self.samples_per_pixel).min((done + 1).next_power_of_two());
+            let doubled = (done + 1).checked_next_power_of_two().unwrap_or(u32::MAX);
+            let end = done.saturating_add(pass_samples).min(self.samples_per_pixel).min(doubled);
             let sensor = Sensor::new(&self.camera, self.size, self.window, self.filter.radius())
                 .expecting(expectation.as_ref());
+            let batch = Batch { splatting, scene, sensor, samples: done..end, progress };
             // Where one sample of each pixel is a batch already, so many tiles are one.
-            let batch = if most > 1 { tiles.len() } else { BATCH_SAMPLES / (TILE * TILE) as usize };
-            for tiles in tiles.chunks_mut(batch) {
-                self.render_batch(splatting, scene, &sensor, tiles, done..end, &mut film, progress);
+            let together = if most > 1 { tiles.len() } else { BATCH_SAMPLES / (TILE * TILE) as usize };
+            for tiles in tiles.chunks_mut(together) {
+                self.render_batch(&batch, tiles, &mut film);
             }
             let taken = end - done;
             done = end;
@@ -153,62 +166,45 @@ impl Job {
     }
 
     /// Takes samples of the pixels of some tiles, and merges what they splat.
-    fn render_batch(
-        &self,
-        splatting: &Splatting,
-        scene: &Scene,
-        sensor: &Sensor<'_>,
-        tiles: &mut [Tile],
-        samples: std::ops::Range<u32>,
-        film: &mut SplatFilm,
-        progress: &Progress,
-    ) {
-        let splats: Vec<TileSplats> = tiles
-            .par_iter_mut()
-            .map(|tile| self.render_splatting_tile(splatting, scene, sensor, tile, samples.clone(), progress))
-            .collect();
-        let lists: Vec<(u32, &[Splat])> = samples
+    fn render_batch(&self, batch: &Batch<'_>, tiles: &mut [Tile], film: &mut SplatFilm) {
+        let splats: Vec<TileSplats> =
+            tiles.par_iter_mut().map(|tile| self.render_splatting_tile(batch, tile)).collect();
+        let lists: Vec<(u32, &[Splat])> = batch
+            .samples
+            .clone()
             .enumerate()
             .flat_map(|(i, sample)| splats.iter().map(move |tile| (sample, tile.of(i))))
             .collect();
         film.add(&lists, &self.filter);
     }
 
-    fn render_splatting_tile(
-        &self,
-        splatting: &Splatting,
-        scene: &Scene,
-        sensor: &Sensor<'_>,
-        tile: &mut Tile,
-        samples: std::ops::Range<u32>,
-        progress: &Progress,
-    ) -> TileSplats {
+    fn render_splatting_tile(&self, batch: &Batch<'_>, tile: &mut Tile) -> TileSplats {
+        let Range { start, end } = batch.samples;
         let mut workspace = Workspace::default();
         let mut splats = TileSplats::default();
         let mut counts = WalkCounts::default();
         let row = tile.pixels.len() as u32;
-        for first in samples.clone().step_by((TOGETHER / row).max(1) as usize) {
-            let some = first..samples.end.min(first + (TOGETHER / row).max(1));
-            self.take_samples(splatting, scene, tile, some, sensor, &mut workspace, &mut counts, &mut splats);
+        let most = (TOGETHER / row).max(1);
+        for first in (start..end).step_by(most as usize) {
+            let samples = first..end.min(first.saturating_add(most));
+            self.take_samples(batch, tile, samples, &mut workspace, &mut counts, &mut splats);
         }
         tile.counts.merge(&counts);
-        progress
-            .add(u64::from(row * (samples.end - samples.start)), counts.rays.closest + counts.rays.occlusion);
+        batch.progress.add(u64::from(row * (end - start)), counts.rays.closest + counts.rays.occlusion);
         splats
     }
 
     /// Takes some samples of all pixels of a tile.
     fn take_samples<'a>(
         &self,
-        splatting: &Splatting,
-        scene: &'a Scene,
+        batch: &Batch<'a>,
         tile: &mut Tile,
-        samples: std::ops::Range<u32>,
-        sensor: &Sensor<'_>,
+        samples: Range<u32>,
         workspace: &mut Workspace<'a>,
         counts: &mut WalkCounts,
         splats: &mut TileSplats,
     ) {
+        let Batch { splatting, scene, sensor, .. } = batch;
         let row = tile.pixels.len();
         let (mut pairs, mut weights) = (Vec::new(), Vec::new());
         for index in samples.clone() {
