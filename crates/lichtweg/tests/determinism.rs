@@ -156,3 +156,26 @@ fn observers_do_not_matter() {
     assert!(observed.pixels == render_scene(&scene, &d).pixels);
     assert_eq!(observed.auxiliary.len(), observed.pixels.len());
 }
+
+/// The weighted images of all strategies are the image: of the same samples, as long as all connections are looked at, which is so for
+/// the first sample of each pixel.
+#[test]
+fn strategies_sum_to_the_image() {
+    let mut d = description();
+    Estimator::BidirectionalPower.choose(&mut d);
+    d.integrator.max_depth = Some(5);
+    d.sampler.samples_per_pixel = 1;
+    let scene = compile_scene(&d);
+    let image = render_scene(&scene, &d);
+    let pyramid = compile_job(&d).render_pyramid(&d, 5, &scene, &Progress::default());
+    assert_eq!(pyramid.samples_per_pixel, 1);
+    let means: Vec<[f64; 3]> = image.pixels.iter().map(|p| p.mean()).collect();
+    let largest = means.iter().flatten().copied().fold(0.0, f64::max);
+    assert!(largest > 0.1);
+    for (i, mean) in means.iter().enumerate() {
+        for (lane, mean) in mean.iter().enumerate() {
+            let sum: f64 = pyramid.strategies.iter().map(|s| s.weighted[i][lane]).sum();
+            assert!((sum - mean).abs() <= 1e-5 * largest, "pixel {i}: {sum} is not {mean}");
+        }
+    }
+}

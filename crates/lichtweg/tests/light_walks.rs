@@ -14,18 +14,26 @@ use lichtweg::scene::description::{
     Description, GeometryDescription, Heuristic, LightKind, MaterialKind, SpectrumDescription, TextureInput,
 };
 use lichtweg::scene::{Scene, SurfacePoint};
-use lichtweg::transport::{Departure, LightStart, Survival, Vertex, Walk, WalkCounts, WalkVisitor};
+use lichtweg::transport::{
+    Crowd, Departure, LightStart, Survival, Trail, Traveller, Vertex, Walk, WalkCounts, WalkVisitor,
+};
 use lichtweg_montecarlo::{Moments, Sampler, SamplerKind};
 use lichtweg_ray::math::{Affine, Vec3};
 
 /// Level of each test.
 const ALPHA: f64 = 1e-3;
 
-struct Silent;
+/// Keeps the departure that left the scene.
+#[derive(Default)]
+struct Escape(Option<Departure>);
 
-impl WalkVisitor for Silent {
-    fn first_link(&mut self, _: &SurfacePoint) -> f64 {
+impl WalkVisitor for Escape {
+    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
         0.0
+    }
+
+    fn escapes(&mut self, traveller: &Traveller, _: Trail<'_, '_>) {
+        self.0 = Some(traveller.departure);
     }
 }
 
@@ -39,14 +47,16 @@ fn walks(scene: &Scene, number: u32, mut each: impl FnMut([f32; 3], &[Vertex<'_>
         max_vertices: usize::MAX,
         leaves_last: false,
     };
-    let (mut path, mut counts) = (Vec::new(), WalkCounts::default());
+    let (mut path, mut counts, mut crowd) = (Vec::new(), WalkCounts::default(), Crowd::default());
     for i in 0..number {
         let mut sampler = Sampler::new(SamplerKind::Independent, 5, 6, i);
         let Some(start) = LightStart::sample(scene, &mut sampler) else { continue };
         path.clear();
-        let departure = start.depart(0.0, Heuristic::Balance);
-        let escaped = walk.run(departure, &mut sampler, &mut counts, &mut path, &mut Silent);
-        each(start.emission.power.to_rgb(), &path, escaped);
+        let departure = start.depart(0.0, Heuristic::Balance, 1.0);
+        crowd.travellers.push(Traveller::new(0, departure, sampler));
+        let mut escape = Escape::default();
+        walk.run(&mut crowd, &mut counts, &mut path, &mut escape);
+        each(start.emission.power.to_rgb(), &path, escape.0);
     }
 }
 

@@ -4,6 +4,7 @@
 //! meets the pinhole's ray on the plane in focus (Cook, Porter and Carpenter 1984). Every film point has weight one: the
 //! responsivity is normalised so that a film lit by unit radiance reads one.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use lichtweg_montecarlo::warp;
@@ -175,8 +176,12 @@ impl Camera {
     }
 
     /// The camera as it stands at a time, at which it is to be asked for all that follows.
-    pub fn at(&self, time: f32) -> Self {
-        Self { pose: self.pose(time), motion: None, ..self.clone() }
+    #[inline]
+    pub fn at(&self, time: f32) -> Cow<'_, Self> {
+        match self.motion {
+            None => Cow::Borrowed(self),
+            Some(_) => Cow::Owned(Self { pose: self.pose(time), motion: None, ..self.clone() }),
+        }
     }
 
     /// Distances between which the camera sees, in a direction whose cosine to the axis is given.

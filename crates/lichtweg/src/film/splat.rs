@@ -55,6 +55,11 @@ impl SplatFilm {
         });
     }
 
+    /// The sum of each pixel, row by row.
+    pub fn sums(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.sums.iter().map(|s| s.sum)
+    }
+
     /// Joins the sums of splats with those of the eye's samples of the same pixels, `samples` of each.
     ///
     /// The variance of the sum of splats is taken to be that of rare, independent events: the sum of their squares (a bound

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::Progress;
 use crate::scene::description::Heuristic;
 use crate::scene::{Scene, SurfacePoint};
-use crate::transport::{LightStart, Vertex, WalkCounts, WalkVisitor, walk_analog};
+use crate::transport::{Crowd, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog};
 
 /// When a walk leaves power on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,12 +78,12 @@ impl Depositor<'_> {
 }
 
 impl WalkVisitor for Depositor<'_> {
-    fn first_link(&mut self, _: &SurfacePoint) -> f64 {
+    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
         0.0
     }
 
-    fn arrives(&mut self, vertex: &Vertex<'_>) {
-        if self.settings.deposit == Deposit::EveryHit {
+    fn arrives(&mut self, trail: Trail<'_, '_>, _: &mut Sampler) {
+        if let (Deposit::EveryHit, Some(vertex)) = (self.settings.deposit, trail.last()) {
             self.leave(vertex, 1.0);
         }
     }
@@ -140,22 +140,16 @@ fn walk(
 ) -> Vec<Left> {
     let (mut list, mut path, mut counts) = (Vec::new(), Vec::new(), WalkCounts::default());
     let number = walks.end - walks.start;
+    let mut crowd = Crowd::default();
     for walk in walks {
         let mut sampler = Sampler::new(SamplerKind::Independent, settings.seed, walk >> 32, walk as u32);
-        let Some(start) = LightStart::sample(scene, &mut sampler) else { continue };
-        path.clear();
-        let departure = start.depart(0.0, Heuristic::Balance);
-        let mut depositor = Depositor { settings, list: &mut list };
-        walk_analog(
-            scene,
-            departure,
-            settings.max_depth,
-            &mut sampler,
-            &mut counts,
-            &mut path,
-            &mut depositor,
-        );
+        if let Some(start) = LightStart::sample(scene, &mut sampler) {
+            let departure = start.depart(0.0, Heuristic::Balance, 1.0);
+            crowd.travellers.push(Traveller::new(0, departure, sampler));
+        }
     }
+    let mut depositor = Depositor { settings, list: &mut list };
+    walk_analog(scene, &mut crowd, settings.max_depth, &mut counts, &mut path, &mut depositor);
     progress.add(number, counts.rays.closest);
     list
 }

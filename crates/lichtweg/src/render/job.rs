@@ -5,6 +5,7 @@
 //! image is the same bits for any number of threads and any cut into passes.
 
 mod camera_paths;
+mod expectation;
 mod pass;
 mod paths;
 mod pyramid;
@@ -19,7 +20,7 @@ use rayon::prelude::*;
 use self::camera_paths::{Samples, StartPaths};
 pub use self::paths::FoundPath;
 pub use self::pyramid::{Pyramid, StrategyImage};
-use self::splatting::{CameraSample, Splatting};
+use self::splatting::{Splatting, bidirectional};
 use super::{Progress, RenderedImage};
 use crate::camera::Camera;
 use crate::color::Spectrum;

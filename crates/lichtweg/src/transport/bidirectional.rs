@@ -9,6 +9,9 @@
 //! - t = 1: a vertex of the walk from the light is connected to a point on the lens; falls anywhere on the film.
 //! - t = 0: the walk from the light runs into the lens, if that has an area; falls anywhere on the film.
 //!
+//! Many pairs are followed together (see [`Walk::run`] and [`super::join`]); what comes of a pair does not depend on those that it
+//! shares no walks with.
+//!
 //! Emitters that the camera sees directly (paths of one edge) are left to s = 0 alone, which sees them without any variance but
 //! that of their edges. Lights at a point or in a direction are not seen directly, by any strategy.
 
@@ -17,10 +20,14 @@ use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
 
 use super::WalkCounts;
+use super::connect::Joiner;
+use super::join::Partners;
 use super::light_end::{LightEnd, LightStart};
+use super::mis::raise;
 use super::sensor::Sensor;
-use super::vertex::{Departure, Vertex};
-use super::walk::{Survival, Walk, WalkVisitor};
+use super::vertex::{Trail, Vertex};
+use super::visibility::ShadowQueue;
+use super::walk::{Crowd, Survival, Traveller, Walk, WalkVisitor};
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
 use crate::scene::description::{Heuristic, IntegratorDescription};
@@ -33,32 +40,36 @@ pub struct Bidirectional {
     pub(super) max_depth: u32,
     roulette: Roulette,
     pub(super) hide_emitters: bool,
+    /// Walks from lights that a walk from the eye is joined with.
+    pub(super) partners: u32,
 }
 
 /// A path that one strategy made.
 #[derive(Debug)]
 pub struct Contribution<'p, 'a> {
+    /// Number of the pair among those that are followed together.
+    pub sample: u32,
     /// Vertices of the walk from the light.
     pub s: u32,
     /// Vertices of the walk from the eye.
     pub t: u32,
     /// Where it falls on the film, in [0, 1]^2; nothing where it belongs to the pixel that the walk from the eye began at.
     pub film: Option<[f32; 2]>,
-    /// Value over density.
+    /// Value over density, that of all paths which the strategy makes for a walk from the eye.
     pub value: Spectrum,
     /// Its weight among the strategies.
     pub weight: f32,
     /// The point on the light.
-    pub end: LightEnd,
+    pub end: &'p LightEnd,
     /// The point on the lens.
     pub lens: Vec3,
     /// Surface vertices that the walk from the light made, from the light on.
-    pub light: &'p [Vertex<'a>],
+    pub light: Trail<'p, 'a>,
     /// Surface vertices that the walk from the eye made, from the eye on; with s = 0 the last may be the point on the light.
-    pub eye: &'p [Vertex<'a>],
+    pub eye: Trail<'p, 'a>,
 }
 
-/// Takes the paths of samples.
+/// Takes the paths of samples. Those of one sample come in an order that does not depend on what is followed with it.
 pub trait ContributionSink {
     /// Whether it wants to see paths of weight zero, too: those of one edge, in other ways than by walks from the eye.
     const UNWEIGHTED: bool = false;
@@ -67,59 +78,111 @@ pub trait ContributionSink {
     fn add(&mut self, contribution: &Contribution<'_, '_>);
 }
 
-/// What is used again for one sample after the other.
+/// The random numbers of paths of one edge stand behind all those that a walk can use.
+pub(super) const END_DIMENSION: u32 = 1 << 29;
+
+/// A pair of walks to be made, from the eye and from a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// The camera ray, of unit direction.
+    pub ray: Ray,
+    /// Random numbers of the walk from the eye.
+    pub eye: Sampler,
+    /// Random numbers of the walk from a light.
+    pub light: Sampler,
+    /// About the radiance that the eye will see: connections of much smaller value are looked at by chance only. Any number that does
+    /// not depend on the walks is right, and 0 looks at all.
+    pub expected: f32,
+}
+
+/// What is used again for one set of pairs after the other.
 #[derive(Debug, Default)]
 pub struct Workspace<'a> {
+    pub(super) crowd: Crowd,
+    pub(super) starts: Vec<Option<LightStart>>,
+    pub(super) light: Vec<Vertex<'a>>,
     eye: Vec<Vertex<'a>>,
-    light: Vec<Vertex<'a>>,
-    lens_hits: Vec<LensHit>,
+    pub(super) queue: ShadowQueue,
+    partners: Partners,
 }
 
-impl<'a> Workspace<'a> {
-    /// Room for the vertices of a walk from a light, empty.
-    pub(super) fn light(&mut self) -> &mut Vec<Vertex<'a>> {
+impl Workspace<'_> {
+    /// Begins a walk from a light for each pair that finds one.
+    pub(super) fn start_from_lights(&mut self, scene: &Scene, pairs: &[Pair], settings: &Bidirectional) {
         self.light.clear();
-        &mut self.light
+        self.starts.clear();
+        self.crowd.travellers.clear();
+        for (walk, pair) in (0..).zip(pairs) {
+            let mut sampler = pair.light;
+            let start = LightStart::sample(scene, &mut sampler);
+            if let Some(start) = &start {
+                let departure = start.depart(pair.ray.time, settings.heuristic, settings.once());
+                self.crowd.travellers.push(Traveller::new(walk, departure, sampler));
+            }
+            self.starts.push(start);
+        }
+    }
+
+    /// Begins a walk from the eye for each pair.
+    fn start_from_eye(&mut self, sensor: &Sensor<'_>, pairs: &[Pair], settings: &Bidirectional) {
+        self.eye.clear();
+        self.crowd.travellers.clear();
+        for (walk, pair) in (0..).zip(pairs) {
+            let camera = sensor.camera.at(pair.ray.time);
+            let departure = sensor.with(&camera).depart(pair.ray, settings.heuristic, settings.once());
+            self.crowd.travellers.push(Traveller::new(walk, departure, pair.eye));
+        }
     }
 }
 
-/// A walk from a light that ran into the lens.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LensHit {
-    pub departure: Departure,
-    /// Surface vertices before.
-    pub vertices: usize,
-    pub lens: Vec3,
+/// Walks from the eye run into lights, and every vertex is connected to one.
+struct FromEye<'j, 'p, 'a, S> {
+    joiner: &'j mut Joiner<'p, 'a, S>,
 }
 
-/// Walks from the eye have nothing to tell.
-struct FromEye;
-
-impl WalkVisitor for FromEye {
-    fn first_link(&mut self, _: &SurfacePoint) -> f64 {
-        1.0
-    }
-}
-
-/// Walks from a light look out for the lens.
-struct FromLight<'p> {
-    scene: &'p Scene,
-    sensor: &'p Sensor<'p>,
-    heuristic: Heuristic,
-    start: &'p LightStart,
-    lens_hits: &'p mut Vec<LensHit>,
-}
-
-impl WalkVisitor for FromLight<'_> {
-    fn first_link(&mut self, point: &SurfacePoint) -> f64 {
-        self.start.first_link(point, self.scene, self.heuristic)
+impl<S: ContributionSink> WalkVisitor for FromEye<'_, '_, '_, S> {
+    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
+        self.joiner.settings.once()
     }
 
     #[inline]
-    fn departs(&mut self, departure: &Departure, vertices: usize) {
-        if let Some(lens) = self.sensor.camera.hit_lens(&departure.ray) {
-            self.lens_hits.push(LensHit { departure: *departure, vertices, lens });
+    fn arrives(&mut self, trail: Trail<'_, '_>, sampler: &mut Sampler) {
+        self.joiner.run_into_light(trail);
+        if trail.len() < self.joiner.settings.max_depth {
+            self.joiner.connect_to_light(trail, sampler);
         }
+    }
+
+    fn escapes(&mut self, traveller: &Traveller, trail: Trail<'_, '_>) {
+        self.joiner.run_out_of_scene(traveller.walk, &traveller.departure, trail);
+    }
+}
+
+/// Walks from a light run into the lens, and every vertex is connected to it.
+struct FromLight<'j, 'p, 'a, S> {
+    joiner: &'j mut Joiner<'p, 'a, S>,
+    starts: &'j [Option<LightStart>],
+    has_lens: bool,
+}
+
+impl<S: ContributionSink> WalkVisitor for FromLight<'_, '_, '_, S> {
+    fn first_link(&mut self, walk: u32, point: &SurfacePoint) -> f64 {
+        let Joiner { scene, settings, .. } = *self.joiner;
+        let link = |start: &LightStart| start.first_link(point, scene, settings.heuristic);
+        settings.once() * self.starts[walk as usize].as_ref().map_or(0.0, link)
+    }
+
+    #[inline]
+    fn departs(&mut self, traveller: &Traveller, trail: Trail<'_, '_>) {
+        let Traveller { walk, departure, .. } = traveller;
+        if let Some(start) = self.starts[*walk as usize].as_ref().filter(|_| self.has_lens) {
+            self.joiner.run_into_lens(*walk, start, departure, trail);
+        }
+    }
+
+    #[inline]
+    fn arrives(&mut self, trail: Trail<'_, '_>, sampler: &mut Sampler) {
+        self.joiner.connect_to_lens(trail, sampler);
     }
 }
 
@@ -134,166 +197,92 @@ impl Bidirectional {
                 None => Roulette::OFF,
             },
             hide_emitters: description.hide_emitters,
+            partners: 1,
         }
     }
 
-    /// One pair of walks, from the eye along a camera ray of unit direction and from a light, and all that comes of them.
-    ///
-    /// `expected` is about the radiance that the eye will see: connections of much smaller value are looked at by chance only. Any
-    /// number is right, and 0 looks at all.
+    /// Joins each walk from the eye with so many walks from lights. Where things move, walks at different times must not meet: one it
+    /// has to be then.
+    pub fn with_partners(self, partners: u32) -> Self {
+        Self { partners: partners.max(1), ..self }
+    }
+
+    /// c of the strategies of which there is one path for each pair, where those that join two walks have `partners` (Veach 1997,
+    /// section 9.2.1: the weights are of densities times numbers of samples).
+    #[inline]
+    pub(super) fn once(&self) -> f64 {
+        raise(self.heuristic, 1.0 / self.partners as f32)
+    }
+
+    /// Makes pairs of walks, and all that comes of them. Pairs come in rows of a length, the last of which may not be cut short: those
+    /// of a row may share their walks from lights.
     #[allow(clippy::too_many_arguments, reason = "the two ends, their numbers, and where things go")]
-    pub fn sample<'a>(
+    pub fn follow<'a, S: ContributionSink>(
         &self,
         scene: &'a Scene,
         sensor: &Sensor<'_>,
-        ray: Ray,
-        [eye_sampler, light_sampler]: [&mut Sampler; 2],
-        expected: f32,
+        pairs: &[Pair],
+        row: usize,
         workspace: &mut Workspace<'a>,
         counts: &mut WalkCounts,
-        sink: &mut impl ContributionSink,
+        sink: &mut S,
     ) {
         if self.max_depth == 0 {
             return;
         }
-        let camera = sensor.camera.at(ray.time);
-        let sensor = &Sensor { camera: &camera, ..*sensor };
-        let mut pair =
-            Pair { settings: self, scene, sensor, time: ray.time, lens: ray.origin, expected, counts };
-        let Workspace { eye, light, lens_hits } = workspace;
-        eye.clear();
-        light.clear();
-        lens_hits.clear();
-        let start = LightStart::sample(scene, light_sampler);
-        if let Some(start) = &start {
-            pair.walk_from_light(start, light_sampler, light, lens_hits);
+        workspace.start_from_lights(scene, pairs, self);
+        let Workspace { crowd, starts, light, queue, .. } = workspace;
+        let mut joiner = Joiner { settings: self, scene, sensor, pairs, queue, sink };
+        self.walk_from_lights(&mut joiner, crowd, starts, light, counts);
+        workspace.start_from_eye(sensor, pairs, self);
+        let Workspace { crowd, starts, light, eye, queue, partners } = workspace;
+        let mut joiner = Joiner { settings: self, scene, sensor, pairs, queue, sink };
+        if S::UNWEIGHTED {
+            for (walk, pair) in (0..).zip(pairs) {
+                joiner.connect_ends(walk, &mut pair.eye.at_dimension(END_DIMENSION));
+            }
         }
-        let escape = pair.walk_from_eye(ray, eye_sampler, eye);
-        pair.join_eye(eye, escape.as_ref(), eye_sampler, sink);
-        if let Some(start) = &start {
-            pair.join_light(start, light, lens_hits, light_sampler, sink);
-            pair.join_both(start, light, eye, eye_sampler, sink);
-        }
+        let walk = self.walk(scene, Mode::Radiance, self.max_depth);
+        walk.run(crowd, counts, eye, &mut FromEye { joiner: &mut joiner });
+        joiner.flush(light, eye, starts, &mut counts.rays);
+        joiner.join(partners, row, light, eye, starts, &mut counts.rays);
     }
-}
 
-/// One sample in the making.
-pub(super) struct Pair<'p, 'a> {
-    pub settings: &'p Bidirectional,
-    pub scene: &'a Scene,
-    pub sensor: &'p Sensor<'p>,
-    pub time: f32,
-    /// Where the walk from the eye begins.
-    pub lens: Vec3,
-    /// See [`Bidirectional::sample`].
-    pub expected: f32,
-    pub counts: &'p mut WalkCounts,
-}
-
-impl<'a> Pair<'_, 'a> {
-    fn walk(&self, mode: Mode, max_vertices: u32) -> Walk<'a> {
+    fn walk<'a>(&self, scene: &'a Scene, mode: Mode, max_vertices: u32) -> Walk<'a> {
         Walk {
-            scene: self.scene,
+            scene,
             mode,
-            heuristic: self.settings.heuristic,
-            survival: Survival::Roulette(self.settings.roulette),
+            heuristic: self.heuristic,
+            survival: Survival::Roulette(self.roulette),
             max_vertices: max_vertices as usize,
             leaves_last: false,
         }
     }
 
-    /// Walks from the light; as far as the lens can be connected to, or a step further if it can be hit.
-    fn walk_from_light(
-        &mut self,
-        start: &LightStart,
-        sampler: &mut Sampler,
-        path: &mut Vec<Vertex<'a>>,
-        lens_hits: &mut Vec<LensHit>,
+    /// Walks from the lights; as far as the lens can be connected to, or a step further if it can be hit.
+    fn walk_from_lights<'a, S: ContributionSink>(
+        &self,
+        joiner: &mut Joiner<'_, 'a, S>,
+        crowd: &mut Crowd,
+        starts: &[Option<LightStart>],
+        light: &mut Vec<Vertex<'a>>,
+        counts: &mut WalkCounts,
     ) {
         // Every vertex is connected to all those of the other walk: vertices that carry little cost too much to play late.
-        let roulette = match self.settings.roulette {
+        let roulette = match self.roulette {
             Roulette::OFF => Roulette::OFF,
             roulette => Roulette { start_depth: 1, ..roulette },
         };
+        let has_lens = joiner.sensor.camera.lens_pdf().is_some();
         let walk = Walk {
             survival: Survival::Roulette(roulette),
-            leaves_last: self.sensor.camera.lens_pdf().is_some(),
-            ..self.walk(Mode::Importance, self.settings.max_depth - 1)
+            leaves_last: has_lens,
+            ..self.walk(joiner.scene, Mode::Importance, self.max_depth - 1)
         };
-        let heuristic = self.settings.heuristic;
-        let mut visitor = FromLight { scene: self.scene, sensor: self.sensor, heuristic, start, lens_hits };
         // Edges are counted of walks from the eye.
-        let mut counts = WalkCounts::default();
-        walk.run(start.depart(self.time, heuristic), sampler, &mut counts, path, &mut visitor);
-        self.counts.rays.merge(&counts.rays);
-    }
-
-    /// Walks from the eye; the departure that left the scene, if one did.
-    fn walk_from_eye(
-        &mut self,
-        ray: Ray,
-        sampler: &mut Sampler,
-        path: &mut Vec<Vertex<'a>>,
-    ) -> Option<Departure> {
-        let walk = self.walk(Mode::Radiance, self.settings.max_depth);
-        let start = self.sensor.depart(ray, self.settings.heuristic);
-        walk.run(start, sampler, self.counts, path, &mut FromEye)
-    }
-
-    /// All that a walk from the eye meets, and the lights its vertices are connected to.
-    fn join_eye<S: ContributionSink>(
-        &mut self,
-        eye: &[Vertex<'a>],
-        escape: Option<&Departure>,
-        sampler: &mut Sampler,
-        sink: &mut S,
-    ) {
-        if S::UNWEIGHTED {
-            self.connect_ends(sampler, sink);
-        }
-        for n in 1..=eye.len() {
-            self.run_into_light(&eye[..n], sink);
-            if n < self.settings.max_depth as usize {
-                self.connect_to_light(&eye[..n], sampler, sink);
-            }
-        }
-        if let Some(departure) = escape {
-            self.run_out_of_scene(departure, eye, sink);
-        }
-    }
-
-    /// All ways of a walk from a light to the lens.
-    fn join_light<S: ContributionSink>(
-        &mut self,
-        start: &LightStart,
-        light: &[Vertex<'a>],
-        lens_hits: &[LensHit],
-        sampler: &mut Sampler,
-        sink: &mut S,
-    ) {
-        for hit in lens_hits {
-            self.run_into_lens(hit, start, &light[..hit.vertices], sink);
-        }
-        for n in 1..=light.len() {
-            self.connect_to_lens(&light[..n], start, sampler, sink);
-        }
-    }
-
-    /// Every vertex of one walk with every vertex of the other.
-    fn join_both<S: ContributionSink>(
-        &mut self,
-        start: &LightStart,
-        light: &[Vertex<'a>],
-        eye: &[Vertex<'a>],
-        sampler: &mut Sampler,
-        sink: &mut S,
-    ) {
-        for m in 1..=eye.len() {
-            // Edges are one more than surface vertices.
-            let longest = (self.settings.max_depth as usize).saturating_sub(m + 1).min(light.len());
-            for n in 1..=longest {
-                self.connect(&light[..n], &eye[..m], start, sampler, sink);
-            }
-        }
+        let mut of_lights = WalkCounts::default();
+        walk.run(crowd, &mut of_lights, light, &mut FromLight { joiner, starts, has_lens });
+        joiner.flush(light, &[], starts, &mut of_lights.rays);
+        counts.rays.merge(&of_lights.rays);
     }
 }

@@ -9,15 +9,15 @@
 
 use lichtweg_ray::math::Vec3;
 
-use super::bidirectional::Contribution;
+use super::bidirectional::{Bidirectional, Contribution};
 use super::light_end::connection_pdf_area;
 use super::sensor::Sensor;
 use super::vertex::Vertex;
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
 use crate::light::{EmissionDensity, Light, Receiver};
-use crate::scene::Scene;
 use crate::scene::description::Heuristic;
+use crate::scene::{Scene, SurfacePoint};
 
 /// A path, from the light (vertex 0) to the lens.
 #[derive(Clone, Debug)]
@@ -73,7 +73,7 @@ pub enum VertexKind {
 /// A way to make the path.
 #[derive(Clone, Copy, Debug)]
 pub struct PathStrategy {
-    /// Density of the path; 0 where it cannot be made so.
+    /// Density of the path, times the number of paths that the strategy makes for a walk from the eye; 0 where it cannot be made so.
     pub pdf: f64,
     /// Weight among all.
     pub weight: f64,
@@ -81,9 +81,7 @@ pub struct PathStrategy {
 
 /// A surface between the ends, with its densities per solid angle.
 struct Middle {
-    position: Vec3,
-    normal: Vec3,
-    shape: u32,
+    point: SurfacePoint,
     scattering: Spectrum,
     delta: bool,
     to_eye: f64,
@@ -98,9 +96,7 @@ impl Middle {
         let cos = normal.dot(onward).abs();
         let scattering = vertex.scatter(onward, mode);
         let mut this = Self {
-            position: vertex.point.position,
-            normal,
-            shape: vertex.point.shape,
+            point: vertex.point,
             scattering: scattering.value / cos,
             delta: false,
             to_eye: f64::from(scattering.pdf),
@@ -134,10 +130,11 @@ impl ExplicitPath {
         contribution: &Contribution<'_, '_>,
         scene: &Scene,
         sensor: &Sensor<'_>,
-        heuristic: Heuristic,
+        settings: &Bidirectional,
     ) -> Option<Self> {
-        let middles = middles(contribution);
-        let end = &contribution.end;
+        let (light_walk, eye_walk) = (contribution.light.to_vec(), contribution.eye.to_vec());
+        let middles = middles(contribution, &light_walk, &eye_walk);
+        let end = contribution.end;
         let light = &scene.lights()[end.light as usize];
         let density = density(light, contribution, scene);
         let probability = f64::from(scene.selection().emitter_probability(end.light));
@@ -152,9 +149,9 @@ impl ExplicitPath {
             pdf_from_eye: 0.0,
         }];
         vertices.extend(middles.iter().map(|m| PathVertex {
-            kind: VertexKind::Surface(m.shape),
-            position: Some(m.position),
-            normal: Some(m.normal),
+            kind: VertexKind::Surface(m.point.shape),
+            position: Some(m.point.position),
+            normal: Some(m.point.geometric_normal),
             scattering: m.scattering,
             delta: m.delta,
             pdf_from_light: 0.0,
@@ -196,7 +193,8 @@ impl ExplicitPath {
             let coming = if i + 1 == last { f64::from(look.pdf) } else { middles[i].to_light };
             vertices[i].pdf_from_eye = coming * here * per_area;
         }
-        let first_link = connection(light, contribution, scene, &density, &middles);
+        let first = middles.first().map(|m| &m.point);
+        let first_link = connection(light, contribution, scene, &density, first);
         let (s, t) = (contribution.s as usize, contribution.t as usize);
         let mut path = Self {
             s,
@@ -208,7 +206,7 @@ impl ExplicitPath {
             vertices,
             geometry,
         };
-        path.strategies = path.strategies(first_link, light.is_delta(), lens_pdf.is_none(), heuristic);
+        path.strategies = path.strategies(first_link, light.is_delta(), lens_pdf.is_none(), settings);
         Some(path)
     }
 
@@ -218,7 +216,7 @@ impl ExplicitPath {
         connection_pdf: f64,
         light_is_delta: bool,
         is_pinhole: bool,
-        heuristic: Heuristic,
+        settings: &Bidirectional,
     ) -> Vec<PathStrategy> {
         let n = self.vertices.len();
         let pdf = |s: usize| {
@@ -236,11 +234,12 @@ impl ExplicitPath {
                 1 => connection_pdf,
                 _ => self.vertices[..s].iter().map(|v| v.pdf_from_light).product(),
             };
-            light * self.vertices[s..].iter().map(|v| v.pdf_from_eye).product::<f64>()
+            let paths = if s < 2 || n - s < 2 { 1 } else { settings.partners };
+            f64::from(paths) * light * self.vertices[s..].iter().map(|v| v.pdf_from_eye).product::<f64>()
         };
         let pdfs: Vec<f64> = (0..=n).map(pdf).collect();
         let largest = pdfs.iter().copied().fold(0.0, f64::max);
-        let exponent = match heuristic {
+        let exponent = match settings.heuristic {
             Heuristic::Balance => 1,
             Heuristic::Power => 2,
         };
@@ -263,8 +262,8 @@ impl ExplicitPath {
 }
 
 /// The surfaces between the ends, from the light on.
-fn middles(contribution: &Contribution<'_, '_>) -> Vec<Middle> {
-    let Contribution { s, t, light, eye, end, lens, .. } = contribution;
+fn middles(contribution: &Contribution<'_, '_>, light: &[Vertex<'_>], eye: &[Vertex<'_>]) -> Vec<Middle> {
+    let Contribution { s, t, end, lens, .. } = contribution;
     let toward = |from: &Vertex<'_>, to: Vec3| (to - from.point.position).normalized();
     // A walk from the eye that ran into a shape has the point on the light as its last vertex.
     let eye = if *s == 0 && end.position.is_some() { &eye[..eye.len() - 1] } else { eye };
@@ -297,7 +296,7 @@ fn middles(contribution: &Contribution<'_, '_>) -> Vec<Middle> {
 
 /// With which densities walks begin at the light.
 fn density(light: &Light, contribution: &Contribution<'_, '_>, scene: &Scene) -> EmissionDensity {
-    let end = &contribution.end;
+    let end = contribution.end;
     match (light, &end.point) {
         (Light::Area(light), Some(point)) => light.emission_density(point, end.direction, scene),
         (Light::Environment(environment), _) => EmissionDensity {
@@ -314,21 +313,14 @@ fn connection(
     contribution: &Contribution<'_, '_>,
     scene: &Scene,
     density: &EmissionDensity,
-    middles: &[Middle],
+    first: Option<&SurfacePoint>,
 ) -> f64 {
-    let end = &contribution.end;
-    match (light, &end.point, middles.is_empty()) {
-        (_, _, true) => 0.0,
-        (Light::Area(_), Some(point), _) => {
-            let receiver = match (contribution.light.first(), contribution.eye) {
-                (Some(vertex), _) => &vertex.point,
-                (None, eye) if contribution.s == 0 => &eye[eye.len() - 2].point,
-                (None, eye) => &eye[eye.len() - 1].point,
-            };
-            f64::from(connection_pdf_area(scene, end.light, receiver, point))
-        }
+    let end = contribution.end;
+    let Some(receiver) = first else { return 0.0 };
+    match (light, &end.point) {
+        (Light::Area(_), Some(point)) => f64::from(connection_pdf_area(scene, end.light, receiver, point)),
         _ => {
-            let to = Receiver::open(middles[0].position);
+            let to = Receiver::open(receiver.position);
             f64::from(scene.selection().probability(&to, end.light, 0)) * f64::from(density.start)
         }
     }
@@ -336,7 +328,7 @@ fn connection(
 
 /// S, in the direction of the path.
 fn emission(light: &Light, contribution: &Contribution<'_, '_>, scene: &Scene) -> Spectrum {
-    let end = &contribution.end;
+    let end = contribution.end;
     match (light, &end.point) {
         (Light::Area(light), Some(point)) => {
             // Whether a surface with holes is there is left to chance where a walk from the eye runs into it.

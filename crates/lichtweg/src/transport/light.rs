@@ -8,13 +8,13 @@
 use lichtweg_montecarlo::Sampler;
 
 use super::WalkCounts;
-use super::bidirectional::{Bidirectional, Contribution, ContributionSink, Pair, Workspace};
-use super::light_end::LightStart;
+use super::bidirectional::{Bidirectional, Contribution, ContributionSink, END_DIMENSION, Pair, Workspace};
+use super::connect::Joiner;
 use super::sensor::Sensor;
-use super::vertex::{Departure, Vertex};
-use super::walk::{Survival, Walk, WalkVisitor};
+use super::vertex::{Trail, Vertex};
+use super::walk::{Crowd, Survival, Walk, WalkVisitor};
 use crate::bsdf::Mode;
-use crate::scene::description::IntegratorDescription;
+use crate::scene::description::{Heuristic, IntegratorDescription};
 use crate::scene::{Scene, SurfacePoint};
 
 /// Light tracing.
@@ -23,12 +23,17 @@ pub struct LightTracer {
     settings: Bidirectional,
 }
 
-/// Nothing but the walk counts.
-struct Silent;
+/// Looks at every vertex.
+struct Watched<'j, 'p, 'a, S>(&'j mut Joiner<'p, 'a, S>);
 
-impl WalkVisitor for Silent {
-    fn first_link(&mut self, _: &SurfacePoint) -> f64 {
+impl<S: ContributionSink> WalkVisitor for Watched<'_, '_, '_, S> {
+    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
         0.0
+    }
+
+    #[inline]
+    fn arrives(&mut self, trail: Trail<'_, '_>, sampler: &mut Sampler) {
+        self.0.connect_to_lens(trail, sampler);
     }
 }
 
@@ -49,68 +54,50 @@ impl LightTracer {
         Self { settings: Bidirectional::new(description) }
     }
 
-    /// One walk from a light, at a time, and what the camera sees of it.
-    #[allow(clippy::too_many_arguments, reason = "the two ends, their numbers, and where things go")]
-    pub fn sample<'a>(
+    /// A walk from a light for each pair, and what the camera sees of it.
+    pub fn follow<'a>(
         &self,
         scene: &'a Scene,
         sensor: &Sensor<'_>,
-        time: f32,
-        sampler: &mut Sampler,
+        pairs: &[Pair],
         workspace: &mut Workspace<'a>,
         counts: &mut WalkCounts,
         sink: &mut impl ContributionSink,
     ) {
-        let Bidirectional { max_depth, hide_emitters, heuristic, .. } = self.settings;
+        let Bidirectional { max_depth, hide_emitters, .. } = self.settings;
         if max_depth == 0 {
             return;
         }
-        let camera = sensor.camera.at(time);
-        let sensor = &Sensor { camera: &camera, ..*sensor };
-        let lens = sensor.camera.lens_point([0.5; 2]);
-        let light = workspace.light();
+        workspace.start_from_lights(scene, pairs, &self.settings);
+        let Workspace { crowd, starts, light, queue, .. } = workspace;
         let sink = &mut Unweighted(sink);
-        let start = LightStart::sample(scene, sampler);
-        if let Some(start) = &start {
-            walk_analog(
-                scene,
-                start.depart(time, heuristic),
-                max_depth - 1,
-                sampler,
-                counts,
-                light,
-                &mut Silent,
-            );
-        }
-        let mut pair = Pair { settings: &self.settings, scene, sensor, time, lens, expected: 0.0, counts };
+        let mut joiner = Joiner { settings: &self.settings, scene, sensor, pairs, queue, sink };
         if !hide_emitters {
-            pair.connect_ends(sampler, sink);
-        }
-        if let Some(start) = &start {
-            for n in 1..=light.len() {
-                pair.connect_to_lens(&light[..n], start, sampler, sink);
+            for (walk, pair) in (0..).zip(pairs) {
+                joiner.connect_ends(walk, &mut pair.light.at_dimension(END_DIMENSION));
             }
         }
+        walk_analog(scene, crowd, max_depth - 1, counts, light, &mut Watched(&mut joiner));
+        joiner.flush(light, &[], starts, &mut counts.rays);
     }
 }
 
-/// A walk from a light that carries its power on to where it is absorbed, over so many surfaces at most.
+/// Walks from lights that carry their power on to where it is absorbed, over so many surfaces at most.
 pub fn walk_analog<'a>(
     scene: &'a Scene,
-    start: Departure,
+    crowd: &mut Crowd,
     max_vertices: u32,
-    sampler: &mut Sampler,
     counts: &mut WalkCounts,
     path: &mut Vec<Vertex<'a>>,
     visitor: &mut impl WalkVisitor,
-) -> Option<Departure> {
+) {
     let walk = Walk {
         scene,
         mode: Mode::Importance,
-        heuristic: crate::scene::description::Heuristic::Balance,
+        heuristic: Heuristic::Balance,
         survival: Survival::Analog,
         max_vertices: max_vertices as usize,
         leaves_last: false,
     };
-    walk.run(start, sampler, counts, path, visitor)
+    walk.run(crowd, counts, path, visitor);
 }

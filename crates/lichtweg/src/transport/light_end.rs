@@ -76,8 +76,8 @@ impl LightStart {
         })
     }
 
-    /// The walk that begins so.
-    pub fn depart(&self, time: f32, heuristic: Heuristic) -> Departure {
+    /// The walk that begins so; `once` is c of the strategy in which the eye runs into the light.
+    pub fn depart(&self, time: f32, heuristic: Heuristic, once: f64) -> Departure {
         let ray = Ray { time, ..self.emission.ray };
         Departure {
             ray,
@@ -87,7 +87,7 @@ impl LightStart {
             cos: self.end.cos(),
             infinite: self.end.position.is_none(),
             link: 1.0,
-            chain: if self.delta { 0.0 } else { 1.0 / raise(heuristic, self.pdf) },
+            chain: if self.delta { 0.0 } else { once / raise(heuristic, self.pdf) },
         }
     }
 
@@ -127,19 +127,21 @@ pub fn connection_pdf_area(
     scene.selection().probability(&to, light, on_light.primitive) * pdf * cos / distance_squared
 }
 
-/// Sum over all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`.
+/// Sum over all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`; `once` is c of the
+/// strategy that connects the two.
 pub fn others_of_hit(
     scene: &Scene,
     light: u32,
     vertex: &Vertex<'_>,
     receiver: &SurfacePoint,
     heuristic: Heuristic,
+    once: f64,
 ) -> f64 {
     let Some((_, area_light)) = scene.area_light(&vertex.point) else { return 0.0 };
     let connection = connection_pdf_area(scene, light, receiver, &vertex.point);
     let emission = area_light.emission_density(&vertex.point, vertex.wo, scene);
     let start = scene.selection().emitter_probability(light) * emission.start;
-    raise(heuristic, connection) * vertex.others.connected
+    once * raise(heuristic, connection) * vertex.others.connected
         + raise(heuristic, start) * raise(heuristic, emission.leaving) * vertex.others.shorter
 }
 
@@ -150,12 +152,13 @@ pub fn others_of_escape(
     departure: &Departure,
     pdf_direction: f32,
     heuristic: Heuristic,
+    once: f64,
 ) -> f64 {
-    let (others, _) = departure.arrive(heuristic, 1.0, departure.cos);
+    let others = departure.arrive(heuristic, 1.0, departure.cos);
     let selection = scene.selection();
     let connection = selection.probability(&Receiver::open(departure.position), light, 0) * pdf_direction;
     let start = selection.emitter_probability(light) * pdf_direction;
-    raise(heuristic, connection) * others.connected
+    once * raise(heuristic, connection) * others.connected
         + raise(heuristic, start) * raise(heuristic, scene.surroundings().disk_pdf()) * others.shorter
 }
 

@@ -20,7 +20,9 @@ use self::common::judge::compare;
 use self::common::room::{add_ball, add_block, add_walls, room, stage};
 use self::common::run::{Estimator, camera, compile_scene, render_scene};
 use super::fault::{Fault, with_fault};
-use super::{Bidirectional, Contribution, ContributionSink, ExplicitPath, Sensor, WalkCounts, Workspace};
+use super::{
+    Bidirectional, Contribution, ContributionSink, ExplicitPath, Pair, Sensor, WalkCounts, Workspace,
+};
 use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::scene::description::{
@@ -62,6 +64,27 @@ fn everything(aperture_radius: f32) -> Description {
     d
 }
 
+/// Walks from lights that walks from the eye are joined with: more than one, and no divisor of the number of pixels.
+const PARTNERS: u32 = 3;
+
+fn tracer(d: &Description) -> Bidirectional {
+    Bidirectional::new(&d.integrator).with_partners(PARTNERS)
+}
+
+/// The pairs of one sample of all pixels of a description.
+fn pairs(d: &Description, camera: &Camera, pass: u32) -> Vec<Pair> {
+    let size = [d.film.width, d.film.height];
+    let pair = |i: u32| {
+        let mut eye = Sampler::new(SamplerKind::Independent, 1, u64::from(i), pass);
+        let light = Sampler::new(SamplerKind::Independent, 2, u64::from(i), pass);
+        let [x, y] = eye.next_2d();
+        let film = [((i % size[0]) as f32 + x) / size[0] as f32, ((i / size[0]) as f32 + y) / size[1] as f32];
+        let ray = camera.ray(film, eye.next_2d(), 0.0);
+        Pair { ray, eye, light, expected: 0.0 }
+    };
+    (0..size[0] * size[1]).map(pair).collect()
+}
+
 /// Samples of all pixels of a description, one after the other, and what the sinks make of them.
 fn sample_film<S: ContributionSink>(
     d: &Description,
@@ -72,28 +95,12 @@ fn sample_film<S: ContributionSink>(
 ) {
     let (sensor_camera, size) = sensor_camera(d);
     let sensor = sensor(&sensor_camera, size);
-    let tracer = Bidirectional::new(&d.integrator);
+    let tracer = tracer(d);
     let mut workspace = Workspace::default();
     for pass in 0..passes {
-        for i in 0..size[0] * size[1] {
-            let mut eye = Sampler::new(SamplerKind::Independent, 1, u64::from(i), pass);
-            let mut light = Sampler::new(SamplerKind::Independent, 2, u64::from(i), pass);
-            let [x, y] = eye.next_2d();
-            let film =
-                [((i % size[0]) as f32 + x) / size[0] as f32, ((i / size[0]) as f32 + y) / size[1] as f32];
-            let ray = sensor_camera.ray(film, eye.next_2d(), 0.0);
-            let samplers = [&mut eye, &mut light];
-            tracer.sample(
-                scene,
-                &sensor,
-                ray,
-                samplers,
-                0.0,
-                &mut workspace,
-                &mut WalkCounts::default(),
-                sink,
-            );
-        }
+        let pairs = pairs(d, &sensor_camera, pass);
+        let counts = &mut WalkCounts::default();
+        tracer.follow(scene, &sensor, &pairs, pairs.len(), &mut workspace, counts, sink);
         pass_done(sink);
     }
 }
@@ -112,7 +119,7 @@ fn sensor(camera: &Camera, size: [u32; 2]) -> Sensor<'_> {
 struct ByDefinition<'p> {
     scene: &'p Scene,
     sensor: Sensor<'p>,
-    heuristic: Heuristic,
+    tracer: Bidirectional,
     seen: BTreeMap<(u32, u32), u32>,
     wrong: Vec<String>,
 }
@@ -122,11 +129,11 @@ impl ContributionSink for ByDefinition<'_> {
 
     fn add(&mut self, contribution: &Contribution<'_, '_>) {
         let Contribution { s, t, value, weight, .. } = *contribution;
-        let Some(path) = ExplicitPath::new(contribution, self.scene, &self.sensor, self.heuristic) else {
+        let Some(path) = ExplicitPath::new(contribution, self.scene, &self.sensor, &self.tracer) else {
             return;
         };
         *self.seen.entry((s, t)).or_default() += 1;
-        let total: f64 = path.strategies.iter().map(|s| s.weight).sum();
+        let total = path.strategies.iter().map(|s| s.weight).sum::<f64>();
         let expected = path.strategies[path.s].weight;
         let estimate = path.estimate();
         let close = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * (a.abs() + b.abs()) + 1e-7;
@@ -146,7 +153,7 @@ fn by_definition(d: &Description, passes: u32) -> (BTreeMap<(u32, u32), u32>, Ve
     let mut sink = ByDefinition {
         scene: &scene,
         sensor: sensor(&camera, size),
-        heuristic: d.integrator.heuristic,
+        tracer: tracer(d),
         seen: BTreeMap::new(),
         wrong: Vec::new(),
     };
@@ -177,6 +184,47 @@ fn paths_are_what_their_factors_say() {
                 );
             }
         }
+    }
+}
+
+/// A path: strategy, place, value and weight.
+type Made = (u32, u32, Option<[f32; 2]>, [f32; 3], f32);
+
+/// The paths of each pair.
+struct Lists(Vec<Vec<Made>>);
+
+impl ContributionSink for Lists {
+    const UNWEIGHTED: bool = true;
+
+    fn add(&mut self, c: &Contribution<'_, '_>) {
+        self.0[c.sample as usize].push((c.s, c.t, c.film, c.value.to_rgb(), c.weight));
+    }
+}
+
+/// Pairs that are followed together bring what they bring alone, to the bit and in the same order, unless they share walks: and then
+/// what the pairs of their row bring.
+#[test]
+fn pairs_go_together_as_they_go_alone() {
+    let d = everything(0.2);
+    let scene = compile_scene(&d);
+    let (camera, size) = sensor_camera(&d);
+    let sensor = sensor(&camera, size);
+    let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
+    let mut pairs = pairs(&d, &camera, 0);
+    pairs.truncate(960);
+    // Every other pair plays for its connections.
+    pairs.iter_mut().step_by(2).for_each(|pair| pair.expected = 1.0);
+    for (partners, row) in [(1, 1), (3, 32)] {
+        let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
+        let mut follow = |pairs: &[Pair]| {
+            let mut lists = Lists(vec![Vec::new(); pairs.len()]);
+            tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut lists);
+            lists.0
+        };
+        let together = follow(&pairs);
+        let alone: Vec<_> = pairs.chunks(row).flat_map(&mut follow).collect();
+        assert!(together.iter().map(Vec::len).sum::<usize>() > 1000, "{partners} partners");
+        assert!(together == alone, "{partners} partners");
     }
 }
 

@@ -3,15 +3,14 @@
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
 
-use super::WalkCounts;
 use super::fault::{Fault, is_seeded};
 use super::mis::raise;
 use super::vertex::Departure;
 use super::visibility::SHADOW_END;
 use crate::camera::{Camera, View};
 use crate::color::Spectrum;
+use crate::scene::SurfacePoint;
 use crate::scene::description::Heuristic;
-use crate::scene::{Scene, SurfacePoint};
 
 /// A camera, and how densely its film is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +22,31 @@ pub struct Sensor<'a> {
     pub film_pdf: f32,
     /// The part of the film that pixels to be rendered respond to: from and to, in film coordinates.
     pub reach: [[f32; 2]; 2],
+    /// About the radiance that the film shows, if that is known.
+    pub expectation: Option<&'a Expectation>,
+}
+
+/// About the radiance of each pixel of a window of the film.
+#[derive(Clone, Debug)]
+pub struct Expectation {
+    /// Full film size.
+    pub size: [u32; 2],
+    /// x, y, width, height.
+    pub window: [u32; 4],
+    /// Row by row; the largest of all channels.
+    pub radiance: Vec<f32>,
+}
+
+impl Expectation {
+    /// That of the pixel that a place of the film in [0, 1]^2 belongs to, or of the next one.
+    #[inline]
+    pub fn at(&self, film: [f32; 2]) -> f32 {
+        let [x0, y0, width, height] = self.window;
+        let pixel = |i: usize, first: u32, count: u32| {
+            ((film[i] * self.size[i] as f32) as u32).clamp(first, first + count - 1) - first
+        };
+        self.radiance[(pixel(1, y0, height) * width + pixel(0, x0, width)) as usize]
+    }
 }
 
 /// A point on the lens that looks at something.
@@ -57,11 +81,32 @@ impl<'a> Sensor<'a> {
                 [bound(0, x, -1.0), bound(1, y, -1.0)],
                 [bound(0, x + width, 1.0), bound(1, y + height, 1.0)],
             ],
+            expectation: None,
         }
     }
 
-    /// A walk from the eye along a camera ray.
-    pub fn depart(&self, ray: Ray, heuristic: Heuristic) -> Departure {
+    /// The same, with what is known of the film.
+    pub fn expecting(self, expectation: Option<&'a Expectation>) -> Self {
+        Self { expectation, ..self }
+    }
+
+    /// About the radiance at a place of the film; 0 where nothing is known of it.
+    #[inline]
+    pub fn expected(&self, film: [f32; 2]) -> f32 {
+        self.expectation.map_or(0.0, |e| e.at(film))
+    }
+
+    /// The same with the camera as it stands at some time.
+    #[inline]
+    pub fn with<'c>(&self, camera: &'c Camera) -> Sensor<'c>
+    where
+        'a: 'c,
+    {
+        Sensor { camera, ..*self }
+    }
+
+    /// A walk from the eye along a camera ray; `once` is c of the strategies in which the light finds the lens.
+    pub fn depart(&self, ray: Ray, heuristic: Heuristic, once: f64) -> Departure {
         let cos = ray.direction.dot(self.camera.forward());
         let view = self.camera.view(ray.origin, ray.direction);
         Departure {
@@ -72,9 +117,9 @@ impl<'a> Sensor<'a> {
             pdf: view.map_or(0.0, |v| self.pdf(&v)),
             cos,
             infinite: false,
-            link: 1.0,
+            link: once,
             // c of the strategy in which the light walks into the lens.
-            chain: self.camera.lens_pdf().map_or(0.0, |pdf| 1.0 / raise(heuristic, pdf)),
+            chain: self.camera.lens_pdf().map_or(0.0, |pdf| once / raise(heuristic, pdf)),
         }
     }
 
@@ -112,29 +157,16 @@ impl<'a> Sensor<'a> {
 }
 
 impl Look {
-    /// The fraction of light that passes from a surface point to the lens.
-    pub fn transmittance(
-        &self,
-        point: &SurfacePoint,
-        time: f32,
-        scene: &Scene,
-        counts: &mut WalkCounts,
-    ) -> f32 {
+    /// The shadow ray between a surface point and the lens.
+    pub fn shadow_ray(&self, point: &SurfacePoint, time: f32) -> Ray {
         let along = point.leave(self.to_lens) - self.lens;
-        let distance = along.length();
-        let ray = Ray {
-            tnear: self.clip[0] / distance,
-            tfar: 1.0 - SHADOW_END,
-            time,
-            ..Ray::new(self.lens, along)
-        };
-        scene.transmittance(&ray, &mut counts.rays)
+        let tnear = self.clip[0] / along.length();
+        Ray { tnear, tfar: 1.0 - SHADOW_END, time, ..Ray::new(self.lens, along) }
     }
 
-    /// The fraction of light that passes from infinitely far to the lens, as far as the camera sees surfaces.
-    pub fn transmittance_from_far(&self, time: f32, scene: &Scene, counts: &mut WalkCounts) -> f32 {
+    /// The shadow ray between infinitely far and the lens, as far as the camera sees surfaces.
+    pub fn shadow_ray_from_far(&self, time: f32) -> Ray {
         let [tnear, tfar] = self.clip;
-        let ray = Ray { tnear, tfar, time, ..Ray::new(self.lens, -self.to_lens) };
-        scene.transmittance(&ray, &mut counts.rays)
+        Ray { tnear, tfar, time, ..Ray::new(self.lens, -self.to_lens) }
     }
 }

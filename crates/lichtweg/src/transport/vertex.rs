@@ -21,6 +21,7 @@
 //!
 //! Roulette and holes are left out of all densities: weights need to sum to one only.
 
+use lichtweg_montecarlo::warp;
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
 
@@ -71,15 +72,12 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// What the next vertex knows, and the density per area with which it was made. `there` and `back` turn densities per solid
-    /// angle into those per area at the next vertex and at this one.
+    /// What the next vertex knows. `there` and `back` turn densities per solid angle into those per area at the next vertex and at
+    /// this one.
     #[inline]
-    pub fn arrive(&self, heuristic: Heuristic, there: f32, back: f32) -> (Others, f32) {
-        let pdf = self.pdf * there;
-        let scale = 1.0 / raise(heuristic, pdf);
-        let others =
-            Others { connected: self.link * scale, shorter: raise(heuristic, back) * self.chain * scale };
-        (others, pdf)
+    pub fn arrive(&self, heuristic: Heuristic, there: f32, back: f32) -> Others {
+        let scale = 1.0 / raise(heuristic, self.pdf * there);
+        Others { connected: self.link * scale, shorter: raise(heuristic, back) * self.chain * scale }
     }
 }
 
@@ -94,12 +92,79 @@ pub struct Vertex<'a> {
     pub wo: Vec3,
     /// Value of the walk over its density, up to here and without the scattering here.
     pub throughput: Spectrum,
-    /// Density per area with which the walk came here, given the vertex before.
-    pub pdf_area: f32,
     /// The other strategies.
     pub others: Others,
     /// How the walk went on.
     pub onward: Option<Onward>,
+    /// Which of the walks that go together this is of.
+    pub walk: u32,
+    /// Surface vertices up to this one.
+    pub number: u32,
+    /// Where the one before is, among the vertices of all these walks.
+    pub(super) before: u32,
+}
+
+/// A walk up to one of its surface vertices, which lie scattered among those of all walks that go together.
+#[derive(Clone, Copy, Debug)]
+pub struct Trail<'p, 'a> {
+    vertices: &'p [Vertex<'a>],
+    last: u32,
+}
+
+impl<'p, 'a> Trail<'p, 'a> {
+    /// No vertex.
+    pub(super) const NONE: u32 = u32::MAX;
+
+    /// A walk without surface vertices.
+    pub const EMPTY: Self = Self { vertices: &[], last: Self::NONE };
+
+    /// Up to a vertex, or [`Trail::NONE`].
+    #[inline]
+    pub(super) fn new(vertices: &'p [Vertex<'a>], last: u32) -> Self {
+        Self { vertices, last }
+    }
+
+    /// Its last vertex.
+    #[inline]
+    pub fn last(self) -> Option<&'p Vertex<'a>> {
+        self.vertices.get(self.last as usize)
+    }
+
+    /// Where this is among all vertices.
+    #[inline]
+    pub(super) fn index(self) -> u32 {
+        self.last
+    }
+
+    /// The walk without its last vertex.
+    #[inline]
+    pub fn before(self) -> Self {
+        Self { last: self.last().map_or(Self::NONE, |v| v.before), ..self }
+    }
+
+    /// Number of vertices.
+    #[inline]
+    pub fn len(self) -> u32 {
+        self.last().map_or(0, |v| v.number)
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub fn is_empty(self) -> bool {
+        self.last().is_none()
+    }
+
+    /// The vertices, from the walk's end on.
+    pub fn to_vec(self) -> Vec<Vertex<'a>> {
+        let mut vertices = Vec::with_capacity(self.len() as usize);
+        let mut trail = self;
+        while let Some(vertex) = trail.last() {
+            vertices.push(*vertex);
+            trail = trail.before();
+        }
+        vertices.reverse();
+        vertices
+    }
 }
 
 /// How a walk went on from a vertex.
@@ -134,6 +199,11 @@ impl Vertex<'_> {
     /// Scattering towards the unit direction `wi`, of a walk that carries `mode`; single directions are left out.
     #[inline]
     pub fn scatter(&self, wi: Vec3, mode: Mode) -> Scattering {
+        if let Some(albedo) = self.scatterer.lambert()
+            && mode == Mode::Radiance
+        {
+            return self.reflect(albedo, wi);
+        }
         let (mut value, pdf) = self.scatterer.eval_pdf(self.wo, wi, mode);
         let cos = self.point.geometric_normal.dot(wi).abs();
         if value.is_zero() {
@@ -144,6 +214,25 @@ impl Vertex<'_> {
         }
         let value = value * self.adjoint_correction(wi, mode);
         Scattering { value, pdf, pdf_back: self.scatterer.pdf(wi, self.wo), cos }
+    }
+
+    /// [`Vertex::scatter`] of Lambert's reflector.
+    #[inline]
+    fn reflect(&self, albedo: Spectrum, wi: Vec3) -> Scattering {
+        let normal = self.scatterer.frame.normal;
+        let [from, to] = [self.wo, wi].map(|w| warp::cosine_hemisphere_pdf(normal.dot(w)));
+        let pdf = if from > 0.0 { to } else { 0.0 };
+        let pdf_back = if to > 0.0 { from } else { 0.0 };
+        Scattering { value: albedo * pdf, pdf, pdf_back, cos: self.point.geometric_normal.dot(wi).abs() }
+    }
+
+    /// Density per solid angle of going from `wi` to the vertex before.
+    #[inline]
+    pub fn pdf_back(&self, wi: Vec3) -> f32 {
+        match self.scatterer.lambert() {
+            Some(albedo) => self.reflect(albedo, wi).pdf_back,
+            None => self.scatterer.pdf(wi, self.wo),
+        }
     }
 
     /// What makes the scattering function adjoint where the shading normal is not the geometric one: walks from the eye carry

@@ -19,15 +19,14 @@ pub struct FoundPath {
 struct Finder<'f> {
     scene: &'f Scene,
     sensor: &'f Sensor<'f>,
-    description: &'f Description,
+    tracer: &'f Bidirectional,
     size: [u32; 2],
     found: Vec<FoundPath>,
 }
 
 impl ContributionSink for Finder<'_> {
     fn add(&mut self, c: &Contribution<'_, '_>) {
-        let heuristic = self.description.integrator.heuristic;
-        if let Some(path) = ExplicitPath::new(c, self.scene, self.sensor, heuristic) {
+        if let Some(path) = ExplicitPath::new(c, self.scene, self.sensor, self.tracer) {
             self.found.push(FoundPath {
                 path,
                 value: c.value.to_rgb(),
@@ -39,7 +38,8 @@ impl ContributionSink for Finder<'_> {
 }
 
 impl Job {
-    /// The paths that bidirectional path tracing makes of one sample of a pixel, and the weight of the reconstruction filter.
+    /// The paths that bidirectional path tracing makes of one sample of a pixel, joined with its own walk from a light alone, and the
+    /// weight of the reconstruction filter.
     pub fn paths(
         &self,
         description: &Description,
@@ -47,21 +47,14 @@ impl Job {
         pixel: [u32; 2],
         index: u32,
     ) -> (Vec<FoundPath>, f32) {
-        let CameraSample { ray, weight, mut sampler, mut light_sampler } =
-            CameraSample::new(self, pixel, index);
-        let camera = self.camera.at(ray.time);
+        let (pair, weight) = self.pair(pixel, index, 0.0);
+        let camera = self.camera.at(pair.ray.time);
         let sensor = Sensor::new(&camera, self.size, self.window, self.filter.radius());
-        let mut finder = Finder { scene, sensor: &sensor, description, size: self.size, found: Vec::new() };
-        Bidirectional::new(&description.integrator).sample(
-            scene,
-            &sensor,
-            ray,
-            [&mut sampler, &mut light_sampler],
-            0.0,
-            &mut Workspace::default(),
-            &mut WalkCounts::default(),
-            &mut finder,
-        );
+        let tracer = Bidirectional::new(&description.integrator);
+        let mut finder =
+            Finder { scene, sensor: &sensor, tracer: &tracer, size: self.size, found: Vec::new() };
+        let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
+        tracer.follow(scene, &sensor, &[pair], 1, &mut workspace, &mut counts, &mut finder);
         (finder.found, weight)
     }
 }

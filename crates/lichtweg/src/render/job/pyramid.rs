@@ -2,7 +2,7 @@
 //! figure 2; Veach 1997, figure 10.3).
 
 use super::*;
-use crate::transport::{Bidirectional, Contribution, ContributionSink, Sensor, Workspace};
+use crate::transport::{Contribution, ContributionSink, Sensor, Workspace};
 
 /// All strategies' images.
 #[derive(Clone, Debug)]
@@ -78,26 +78,27 @@ struct Item {
     filter: f32,
 }
 
-struct Collector<'c> {
+struct Collector {
     max_depth: u32,
-    pixel: usize,
-    filter: f32,
+    /// The pixel of each sample, and its weight of the reconstruction filter.
+    pixels: Vec<(usize, f32)>,
     scale: f32,
-    items: &'c mut Vec<Item>,
+    items: Vec<Item>,
 }
 
-impl ContributionSink for Collector<'_> {
+impl ContributionSink for Collector {
     const UNWEIGHTED: bool = true;
 
     fn add(&mut self, c: &Contribution<'_, '_>) {
         let value = c.value * self.scale;
         if c.s + c.t <= self.max_depth + 1 && value.is_valid_radiance() && !value.is_zero() {
+            let (pixel, filter) = self.pixels[c.sample as usize];
             self.items.push(Item {
                 strategy: number(c.s, c.t),
-                place: c.film.map_or(Ok(self.pixel), Err),
+                place: c.film.map_or(Ok(pixel), Err),
                 value: value.to_rgb(),
                 weight: c.weight,
-                filter: self.filter,
+                filter,
             });
         }
     }
@@ -110,8 +111,8 @@ fn number(s: u32, t: u32) -> usize {
     edges * (edges + 3) / 2 - 2 + s as usize
 }
 
-/// Samples in memory at a time.
-const BATCH: usize = 1 << 14;
+/// Tiles whose paths are in memory at a time.
+const BATCH: usize = 64;
 
 impl Job {
     /// Renders the images of all strategies for paths of up to `max_depth` edges, with the job's samples; stops early, at whole
@@ -124,49 +125,37 @@ impl Job {
         progress: &Progress,
     ) -> Pyramid {
         let start = Instant::now();
-        let mut integrator = description.integrator.clone();
-        integrator.max_depth = Some(max_depth);
-        let tracer = Bidirectional::new(&integrator);
+        let mut description = description.clone();
+        description.integrator.max_depth = Some(max_depth);
+        let tracer = bidirectional(&description);
         let [x0, y0, width, height] = self.window;
         let area = width as usize * height as usize;
         let strategies: Vec<(u32, u32)> =
             (1..=max_depth).flat_map(|k| (0..=k + 1).map(move |s| (s, k + 1 - s))).collect();
         let mut sums = vec![[vec![Sums::default(); area], vec![Sums::default(); area]]; strategies.len()];
         let sensor = Sensor::new(&self.camera, self.size, self.window, self.filter.radius());
+        let tiles = self.tiles();
         let mut done = 0;
         while done < self.samples_per_pixel && !progress.is_stopped() {
-            for first in (0..area).step_by(BATCH) {
-                let pixels: Vec<usize> = (first..area.min(first + BATCH)).collect();
-                let lists: Vec<Vec<Item>> = pixels
-                    .par_chunks(256)
-                    .map(|pixels| {
-                        let (mut items, mut workspace) = (Vec::new(), Workspace::default());
-                        let mut counts = WalkCounts::default();
-                        for &pixel in pixels {
-                            let position = [x0 + pixel as u32 % width, y0 + pixel as u32 / width];
-                            let CameraSample { ray, weight, mut sampler, mut light_sampler } =
-                                CameraSample::new(self, position, done);
-                            let mut sink = Collector {
-                                max_depth,
-                                pixel,
-                                filter: weight,
-                                scale: self.film_scale,
-                                items: &mut items,
-                            };
-                            let samplers = [&mut sampler, &mut light_sampler];
-                            tracer.sample(
-                                scene,
-                                &sensor,
-                                ray,
-                                samplers,
-                                0.0,
-                                &mut workspace,
-                                &mut counts,
-                                &mut sink,
-                            );
+            for tiles in tiles.chunks(BATCH) {
+                let lists: Vec<Vec<Item>> = tiles
+                    .par_iter()
+                    .map(|tile| {
+                        let row = tile.pixels.len();
+                        let (mut pairs, mut pixels) = (Vec::with_capacity(row), Vec::with_capacity(row));
+                        for i in 0..row as u32 {
+                            let position = tile.position(i);
+                            let (pair, filter) = self.pair(position, done, 0.0);
+                            pairs.push(pair);
+                            let [x, y] = [position[0] - x0, position[1] - y0];
+                            pixels.push(((y * width + x) as usize, filter));
                         }
-                        progress.add(pixels.len() as u64, counts.rays.closest + counts.rays.occlusion);
-                        items
+                        let mut sink =
+                            Collector { max_depth, pixels, scale: self.film_scale, items: Vec::new() };
+                        let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
+                        tracer.follow(scene, &sensor, &pairs, row, &mut workspace, &mut counts, &mut sink);
+                        progress.add(row as u64, counts.rays.closest + counts.rays.occlusion);
+                        sink.items
                     })
                     .collect();
                 // Each strategy takes its own, in the order of the lists.

@@ -6,10 +6,12 @@
 //!
 //! Limit: a crop is not the same bits as that part of the whole image, as walks from the lights know no crop.
 
+use std::ops::Range;
+
 use super::*;
 use crate::film::{Splat, SplatFilm};
 use crate::scene::description::EstimatorKind;
-use crate::transport::{Bidirectional, Contribution, ContributionSink, LightTracer, Sensor, Workspace};
+use crate::transport::{Bidirectional, Contribution, ContributionSink, LightTracer, Pair, Sensor, Workspace};
 
 /// An estimator whose samples fall anywhere on the film.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +26,12 @@ const BATCH_SAMPLES: usize = 1 << 17;
 /// Walks from the lights have other random numbers than those from the eye.
 const LIGHT_SEED: u64 = 0x6c69_6768_7477_6567;
 
+/// Samples that are followed together. More are sorted better, fewer stay in the cache.
+const TOGETHER: u32 = 1024;
+
+/// Walks from lights that each walk from the eye is joined with.
+const PARTNERS: u32 = 8;
+
 /// The splats of a tile's samples.
 #[derive(Default)]
 struct TileSplats {
@@ -37,6 +45,24 @@ impl TileSplats {
         let start = if sample == 0 { 0 } else { self.ends[sample - 1] };
         &self.splats[start..self.ends[sample]]
     }
+
+    /// Appends the splats of samples of `row` pixels each, by sample.
+    fn append(&mut self, mut splats: Vec<(u32, Splat)>, samples: u32, row: u32) {
+        // Stable: the splats of one sample of a pixel stay in their order.
+        splats.sort_by_key(|(sample, _)| *sample);
+        for sample in 1..=samples {
+            let end = splats.partition_point(|(number, _)| *number < sample * row);
+            let start = splats.partition_point(|(number, _)| *number < (sample - 1) * row);
+            self.splats.extend(splats[start..end].iter().map(|(_, splat)| *splat));
+            self.ends.push(self.splats.len());
+        }
+    }
+}
+
+/// Bidirectional path tracing as a description asks for it.
+pub(super) fn bidirectional(description: &Description) -> Bidirectional {
+    let partners = if description.moves() { 1 } else { PARTNERS };
+    Bidirectional::new(&description.integrator).with_partners(partners)
 }
 
 impl Splatting {
@@ -46,32 +72,43 @@ impl Splatting {
         match integrator.estimator {
             EstimatorKind::Path => None,
             EstimatorKind::Light => Some(Self::Light(LightTracer::new(integrator))),
-            EstimatorKind::Bidirectional => Some(Self::Bidirectional(Bidirectional::new(integrator))),
+            EstimatorKind::Bidirectional => Some(Self::Bidirectional(bidirectional(description))),
         }
     }
 }
 
-/// Takes the paths of one sample.
-struct SampleSink<'t> {
-    size: [u32; 2],
-    scale: f32,
-    radiance: Spectrum,
-    splats: &'t mut Vec<Splat>,
-    invalid: bool,
+/// What is done to some tiles.
+struct Batch<'b> {
+    splatting: &'b Splatting,
+    scene: &'b Scene,
+    sensor: Sensor<'b>,
+    samples: Range<u32>,
+    progress: &'b Progress,
 }
 
-impl ContributionSink for SampleSink<'_> {
+/// Takes the paths of samples.
+struct SampleSink {
+    size: [u32; 2],
+    scale: f32,
+    /// Of each sample.
+    radiance: Vec<Spectrum>,
+    splats: Vec<(u32, Splat)>,
+    /// Samples with splats that are none.
+    invalid: Vec<u32>,
+}
+
+impl ContributionSink for SampleSink {
     #[inline]
     fn add(&mut self, contribution: &Contribution<'_, '_>) {
         let value = contribution.value * contribution.weight;
         match contribution.film {
-            None => self.radiance += value,
+            None => self.radiance[contribution.sample as usize] += value,
             Some(film) => {
                 let splat = Splat::new(film, self.size, value * self.scale);
                 if splat.is_valid() {
-                    self.splats.push(splat);
+                    self.splats.push((contribution.sample, splat));
                 } else {
-                    self.invalid = true;
+                    self.invalid.push(contribution.sample);
                 }
             }
         }
@@ -92,19 +129,29 @@ impl Job {
         let area = self.window[2] as usize * self.window[3] as usize;
         let most = (BATCH_SAMPLES / area).max(1) as u32;
         let (mut done, mut passes, mut pass_samples) = (0, 0, 1);
+        let mut expectation = None;
         while done < self.samples_per_pixel && !progress.is_stopped() {
             let pass_start = Instant::now();
-            let end = done + pass_samples.min(self.samples_per_pixel - done);
+            // What is expected changes where the number of samples doubles, wherever passes are cut.
+            if done.is_power_of_two() && matches!(splatting, Splatting::Bidirectional(_)) {
+                expectation = Some(self.expectation(&tiles, &film, done));
+            }
+            let doubled = (done + 1).checked_next_power_of_two().unwrap_or(u32::MAX);
+            let end = done.saturating_add(pass_samples).min(self.samples_per_pixel).min(doubled);
+            let sensor = Sensor::new(&self.camera, self.size, self.window, self.filter.radius())
+                .expecting(expectation.as_ref());
+            let batch = Batch { splatting, scene, sensor, samples: done..end, progress };
             // Where one sample of each pixel is a batch already, so many tiles are one.
-            let batch = if most > 1 { tiles.len() } else { BATCH_SAMPLES / (TILE * TILE) as usize };
-            for tiles in tiles.chunks_mut(batch) {
-                self.render_batch(splatting, scene, tiles, done..end, &mut film, progress);
+            let together = if most > 1 { tiles.len() } else { BATCH_SAMPLES / (TILE * TILE) as usize };
+            for tiles in tiles.chunks_mut(together) {
+                self.render_batch(&batch, tiles, &mut film);
             }
             tiles.iter_mut().for_each(|tile| tile.samples = end);
+            let taken = end - done;
             done = end;
             passes += 1;
             progress.pass_done();
-            let Some(next) = self.next_pass(pass_start.elapsed(), start.elapsed(), pass_samples) else {
+            let Some(next) = self.next_pass(pass_start.elapsed(), start.elapsed(), taken) else {
                 break;
             };
             pass_samples = next.min(most);
@@ -120,123 +167,101 @@ impl Job {
     }
 
     /// Takes samples of the pixels of some tiles, and merges what they splat.
-    fn render_batch(
-        &self,
-        splatting: &Splatting,
-        scene: &Scene,
-        tiles: &mut [Tile],
-        samples: std::ops::Range<u32>,
-        film: &mut SplatFilm,
-        progress: &Progress,
-    ) {
-        let splats: Vec<TileSplats> = tiles
-            .par_iter_mut()
-            .map(|tile| self.render_splatting_tile(splatting, scene, tile, samples.clone(), progress))
-            .collect();
-        let lists: Vec<(u32, &[Splat])> = samples
+    fn render_batch(&self, batch: &Batch<'_>, tiles: &mut [Tile], film: &mut SplatFilm) {
+        let splats: Vec<TileSplats> =
+            tiles.par_iter_mut().map(|tile| self.render_splatting_tile(batch, tile)).collect();
+        let lists: Vec<(u32, &[Splat])> = batch
+            .samples
+            .clone()
             .enumerate()
             .flat_map(|(i, sample)| splats.iter().map(move |tile| (sample, tile.of(i))))
             .collect();
         film.add(&lists, &self.filter);
     }
 
-    fn render_splatting_tile(
-        &self,
-        splatting: &Splatting,
-        scene: &Scene,
-        tile: &mut Tile,
-        samples: std::ops::Range<u32>,
-        progress: &Progress,
-    ) -> TileSplats {
-        let sensor = Sensor::new(&self.camera, self.size, self.window, self.filter.radius());
+    fn render_splatting_tile(&self, batch: &Batch<'_>, tile: &mut Tile) -> TileSplats {
+        let Range { start, end } = batch.samples;
         let mut workspace = Workspace::default();
         let mut splats = TileSplats::default();
         let mut counts = WalkCounts::default();
-        for index in samples.clone() {
-            for i in 0..tile.pixels.len() {
-                let position = tile.position(i as u32);
-                let mut sink = SampleSink {
-                    size: self.size,
-                    scale: self.film_scale,
-                    radiance: Spectrum::ZERO,
-                    splats: &mut splats.splats,
-                    invalid: false,
-                };
-                let CameraSample { ray, weight, mut sampler, mut light_sampler } =
-                    CameraSample::new(self, position, index);
-                match splatting {
-                    Splatting::Light(tracer) => tracer.sample(
-                        scene,
-                        &sensor,
-                        ray.time,
-                        &mut light_sampler,
-                        &mut workspace,
-                        &mut counts,
-                        &mut sink,
-                    ),
-                    Splatting::Bidirectional(tracer) => tracer.sample(
-                        scene,
-                        &sensor,
-                        ray,
-                        [&mut sampler, &mut light_sampler],
-                        expected(&tile.pixels[i], self.film_scale),
-                        &mut workspace,
-                        &mut counts,
-                        &mut sink,
-                    ),
-                }
-                let SampleSink { radiance, invalid, .. } = sink;
-                if invalid {
-                    tile.dropped += 1;
-                    tile.first_dropped.get_or_insert((position, index));
-                }
-                tile.add(i as u32, index, radiance, self.film_scale, weight);
-                if let Some(sums) = tile.auxiliary.get_mut(i) {
-                    look(scene, &ray, &mut sampler, sums);
-                }
-            }
-            splats.ends.push(splats.splats.len());
+        let row = tile.pixels.len() as u32;
+        let most = (TOGETHER / row).max(1);
+        for first in (start..end).step_by(most as usize) {
+            let samples = first..end.min(first.saturating_add(most));
+            self.take_samples(batch, tile, samples, &mut workspace, &mut counts, &mut splats);
         }
         tile.counts.merge(&counts);
-        let paths = tile.pixels.len() as u64 * u64::from(samples.end - samples.start);
-        progress.add(paths, counts.rays.closest + counts.rays.occlusion);
+        batch.progress.add(u64::from(row * (end - start)), counts.rays.closest + counts.rays.occlusion);
         splats
     }
-}
 
-/// The radiance that a pixel has shown so far, about; 0 where nothing is known of it.
-fn expected(pixel: &Pixel, film_scale: f32) -> f32 {
-    let [r, g, b] = pixel.mean().map(|v| v as f32 / film_scale);
-    let mean = r.max(g).max(b);
-    if pixel.count >= 4 && mean.is_finite() { mean.max(0.0) } else { 0.0 }
-}
+    /// Takes some samples of all pixels of a tile.
+    fn take_samples<'a>(
+        &self,
+        batch: &Batch<'a>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        workspace: &mut Workspace<'a>,
+        counts: &mut WalkCounts,
+        splats: &mut TileSplats,
+    ) {
+        let Batch { splatting, scene, sensor, .. } = batch;
+        let row = tile.pixels.len();
+        let (mut pairs, mut weights) = (Vec::new(), Vec::new());
+        for index in samples.clone() {
+            for i in 0..row {
+                let [x, y] = tile.position(i as u32);
+                let center = [(x as f32 + 0.5) / self.size[0] as f32, (y as f32 + 0.5) / self.size[1] as f32];
+                let (pair, weight) = self.pair([x, y], index, sensor.expected(center));
+                pairs.push(pair);
+                weights.push(weight);
+            }
+        }
+        let mut sink = SampleSink {
+            size: self.size,
+            scale: self.film_scale,
+            radiance: vec![Spectrum::ZERO; pairs.len()],
+            splats: Vec::new(),
+            invalid: Vec::new(),
+        };
+        match splatting {
+            Splatting::Light(tracer) => tracer.follow(scene, sensor, &pairs, workspace, counts, &mut sink),
+            Splatting::Bidirectional(tracer) => {
+                tracer.follow(scene, sensor, &pairs, row, workspace, counts, &mut sink);
+            }
+        }
+        let SampleSink { radiance, splats: splatted, invalid, .. } = sink;
+        for (number, (&radiance, &weight)) in radiance.iter().zip(&weights).enumerate() {
+            let (i, index) = (number % row, samples.start + (number / row) as u32);
+            tile.add(i as u32, index, radiance, self.film_scale, weight);
+            if let Some(sums) = tile.auxiliary.get_mut(i) {
+                look(scene, &pairs[number], sums);
+            }
+        }
+        for number in invalid {
+            let position = tile.position(number % row as u32);
+            tile.dropped += 1;
+            tile.first_dropped.get_or_insert((position, samples.start + number / row as u32));
+        }
+        splats.append(splatted, samples.end - samples.start, row as u32);
+    }
 
-/// The ray of a sample of a pixel.
-pub(super) struct CameraSample {
-    pub ray: Ray,
-    /// Of the reconstruction filter.
-    pub weight: f32,
-    /// What is left of its random numbers.
-    pub sampler: Sampler,
-    /// The random numbers of its walk from a light.
-    pub light_sampler: Sampler,
-}
-
-impl CameraSample {
-    pub fn new(job: &Job, position: [u32; 2], index: u32) -> Self {
-        let (ray, sampler, weight) = job.camera_ray(position, index);
+    /// A pair of walks for a sample of a pixel, and the weight of the reconstruction filter.
+    pub(super) fn pair(&self, position: [u32; 2], index: u32, expected: f32) -> (Pair, f32) {
+        let (ray, eye, weight) = self.camera_ray(position, index);
         let [x, y] = position;
         // The walks of one sample of all pixels are one sequence: stratified over the lights together.
-        let number = y * job.size[0] + x;
-        let light_sampler = Sampler::new(job.sampler, job.seed ^ LIGHT_SEED, u64::from(index), number);
-        Self { ray, weight, sampler, light_sampler }
+        let number = y * self.size[0] + x;
+        let light = Sampler::new(self.sampler, self.seed ^ LIGHT_SEED, u64::from(index), number);
+        (Pair { ray, eye, light, expected }, weight)
     }
 }
 
 /// Records what the camera sees first.
-fn look(scene: &Scene, ray: &Ray, sampler: &mut Sampler, sums: &mut AuxiliarySums) {
+fn look(scene: &Scene, pair: &Pair, sums: &mut AuxiliarySums) {
+    let Pair { ray, mut eye, .. } = *pair;
     let mut counts = WalkCounts::default();
-    if let Some(point) = scene.intersect(ray, &mut counts.rays, || sampler.next_1d()) {
+    if let Some(point) = scene.intersect(&ray, &mut counts.rays, || eye.next_1d()) {
         let scatterer = scene.scatterer(&point, -ray.direction);
         let sums = std::slice::from_mut(sums);
         let mut observer = FirstSurface { sums, first: 0, per_pixel: 1 };

@@ -54,6 +54,15 @@ impl Scatterer<'_> {
         if self.bsdf.transmits() { Vec3::ZERO } else { self.frame.normal }
     }
 
+    /// The albedo, where this is Lambert's reflector with its shading normal as it was.
+    #[inline]
+    pub(crate) fn lambert(&self) -> Option<Spectrum> {
+        match self.bsdf {
+            Bsdf::Diffuse(diffuse) if self.untilted.is_none() => Some(diffuse.reflectance),
+            _ => None,
+        }
+    }
+
     #[inline]
     fn consistent(&self, world: Vec3, local: Vec3) -> bool {
         self.untilted.is_none_or(|n| n.dot(world) * local.z > 0.0)

@@ -14,7 +14,7 @@ mod emission;
 mod lights;
 mod lobes;
 mod points;
-mod queue;
+pub(super) mod queue;
 mod scatter;
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};

@@ -83,10 +83,10 @@ impl Paths {
 }
 
 /// Directions are sorted by their largest component and all their signs.
-const BUCKETS: usize = 24;
+pub const BUCKETS: usize = 24;
 
 #[inline(always)]
-fn bucket(d: Vec3) -> u8 {
+pub fn bucket(d: Vec3) -> u8 {
     let a = d.abs();
     let y = u8::from(a.x < a.y);
     let axis = if a.x.max(a.y) < a.z { 2 } else { y };
