@@ -115,7 +115,7 @@ mod tests {
             for (kind, aperture) in [(SamplerKind::Independent, 0.0), (SamplerKind::Sobol, 0.3)] {
                 let mut description = Description::default();
                 (description.film.width, description.film.height) = (37, 21);
-                description.film.filter = filter.clone();
+                description.film.filter = filter;
                 description.sampler.kind = kind;
                 (description.camera.aperture_radius, description.camera.focus_distance) = (aperture, 2.0);
                 let mut diagnostics = Diagnostics::default();
