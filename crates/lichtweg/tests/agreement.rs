@@ -83,7 +83,7 @@ fn environment_maps() {
 /// Emission and reflectance that vary over the surface: over triangles, and over the parameters of the quadrics.
 #[test]
 fn textured_emitters() {
-    let mut d = gallery::textured_lamps(512);
+    let mut d = gallery::textured_lamps(2048);
     let reflectance = d.texture(checkerboard([0.9, 0.9, 0.2], [0.1, 0.2, 0.6], 3.0));
     let painted = d.material(MaterialKind::Diffuse { reflectance });
     add_ball(&mut d, painted);

@@ -163,7 +163,7 @@ mod tests {
         for text in [
             "light:hide_emitters=true",
             "path:light=mis,heuristic=power,lights=tree,rr_depth=2,hide_emitters=false",
-            "bdpt:heuristic=balance,rr_depth=3,hide_emitters=false",
+            "bdpt:heuristic=balance,lights=uniform,rr_depth=3,hide_emitters=false",
         ] {
             parse_integrator(text).unwrap().apply(&mut again);
             assert_eq!(describe_integrator(&again), text);

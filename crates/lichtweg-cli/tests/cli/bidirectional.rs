@@ -42,7 +42,7 @@ fn the_pyramid_is_complete() {
 #[test]
 fn paths_can_be_computed_once_more() {
     let place = Workplace::new();
-    let output = place.run(&["path", "scene.xml", "--pixel", "16,14", "--sample", "1", "--json"]);
+    let output = place.run(&["path", "scene.xml", "--pixel", "20,18", "--sample", "2", "--json"]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let number = |v: &Value| v.as_f64().unwrap();
     let product = |v: &Value| v.as_array().unwrap().iter().map(number).product::<f64>();
