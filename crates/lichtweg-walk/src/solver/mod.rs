@@ -21,6 +21,7 @@
 mod answer;
 mod deterministic;
 mod plan;
+mod price;
 mod proof;
 mod pushing;
 mod refusal;
