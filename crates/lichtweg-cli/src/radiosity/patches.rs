@@ -6,9 +6,10 @@
 //! backwards, and 1 - rho_i is its absorption.
 //!
 //! Limits: spheres, disks and cylinders become triangles; there are no curves and no instances, and area lights alone;
-//! reflectance and emission are taken at the centre of a patch; what is not diffuse counts by its albedo; patches are black
-//! from behind.
+//! reflectance and emission are taken at the centre of a patch; what is not diffuse counts by its albedo. The two sides of a
+//! surface are patches of their own; one that neither scatters nor shines behind has no patch there, and is black.
 
+use lichtweg::bsdf::Mode;
 use lichtweg::light::Light;
 use lichtweg::scene::offset::{offset, position_error};
 use lichtweg::scene::{Form, MeshForm, Scene, SurfacePoint};
@@ -20,10 +21,10 @@ use rayon::prelude::*;
 
 use super::quadric;
 
-/// A triangle of constant radiosity.
+/// One side of a triangle, of constant radiosity.
 struct Patch {
     corners: [Vec3; 3],
-    /// Unit, outward.
+    /// Unit, on this side.
     normal: Vec3,
     reflectance: [f32; 3],
     /// pi times the emitted radiance.
@@ -33,6 +34,8 @@ struct Patch {
 /// A scene in patches.
 pub struct Patches {
     patches: Vec<Patch>,
+    /// Of each triangle: the patches in front and behind.
+    sides: Vec<[Option<u32>; 2]>,
     accel: Accel,
 }
 
@@ -49,6 +52,7 @@ impl Patches {
             return Err("radiosity knows emitting surfaces only: the scene has a point, spot, directional or environment light".into());
         }
         let mut patches: Vec<Patch> = Vec::new();
+        let (mut positions, mut sides) = (Vec::new(), Vec::new());
         for shape in 0..scene.shape_count() as u32 {
             let pieces = match scene.form(shape) {
                 Form::Mesh(mesh) => pieces_of_mesh(mesh, shape, edge),
@@ -60,9 +64,16 @@ impl Patches {
                     );
                 }
             };
-            patches.extend(
-                pieces.into_iter().filter_map(|(corners, centre)| Patch::new(scene, corners, &centre)),
-            );
+            for (corners, centre) in pieces {
+                let [front, behind] = Patch::sides(scene, corners, &centre);
+                if front.is_some() || behind.is_some() {
+                    positions.extend(corners);
+                    sides.push([front, behind].map(|patch| {
+                        patches.push(patch?);
+                        Some(patches.len() as u32 - 1)
+                    }));
+                }
+            }
             if patches.len() > MOST {
                 return Err(format!("more than {MOST} patches: take a larger --patch"));
             }
@@ -70,13 +81,12 @@ impl Patches {
         if patches.is_empty() {
             return Err("the scene has no surface".to_owned());
         }
-        let positions: Vec<Vec3> = patches.iter().flat_map(|patch| patch.corners).collect();
         let triangles: Vec<[u32; 3]> =
-            (0..patches.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            (0..sides.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = TriangleMesh::new(positions, triangles);
         let accel =
             Accel::build(vec![mesh.into()], BuildOptions::default()).map_err(|error| error.to_string())?;
-        Ok(Self { patches, accel })
+        Ok(Self { patches, sides, accel })
     }
 
     /// Number of patches.
@@ -97,7 +107,7 @@ impl Patches {
         Matrix::from_triplets(self.len(), self.len(), &rows.concat()).unwrap_or_default()
     }
 
-    /// The patch that a ray from patch `i` meets from the front.
+    /// The patch that a ray from patch `i` meets.
     fn shoot(&self, i: usize, ray: u32, seed: u64) -> Option<u32> {
         let patch = &self.patches[i];
         let mut sampler = Sampler::new(SamplerKind::Sobol, seed, i as u64, ray);
@@ -111,11 +121,11 @@ impl Patches {
         self.seen(&Ray::new(offset(position, error, patch.normal, direction), direction))
     }
 
-    /// The patch along a ray, if it shows its front.
+    /// The patch along a ray, where there is one on the side that it comes from.
     pub fn seen(&self, ray: &Ray) -> Option<u32> {
         let hit = self.accel.closest(ray)?;
-        let faces = self.patches[hit.primitive as usize].normal.dot(ray.direction) < 0.0;
-        faces.then_some(hit.primitive)
+        let faces = |patch: &u32| self.patches[*patch as usize].normal.dot(ray.direction) < 0.0;
+        self.sides[hit.primitive as usize].into_iter().flatten().find(faces)
     }
 
     /// B = diag(rho) F B + E of one colour channel.
@@ -134,13 +144,21 @@ impl Patches {
 }
 
 impl Patch {
-    /// A triangle that looks like the surface at a point; `None` where it has no area.
-    fn new(scene: &Scene, corners: [Vec3; 3], centre: &SurfacePoint) -> Option<Self> {
+    /// The front and the back of a triangle that looks like the surface at a point: the front always, the back where it is not
+    /// black; neither where there is no area.
+    fn sides(scene: &Scene, corners: [Vec3; 3], centre: &SurfacePoint) -> [Option<Self>; 2] {
         let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).try_normalized()?;
-        let reflectance = scene.scatterer(centre, centre.shading_normal).bsdf.albedo_hint().to_rgb();
+        let Some(normal) = (b - a).cross(c - a).try_normalized() else { return [None, None] };
         let outward = if normal.dot(centre.geometric_normal) < 0.0 { -normal } else { normal };
-        Some(Self { corners, normal: outward, reflectance, emission: emission(scene, centre) })
+        let side = |normal: Vec3, to: Vec3| Self {
+            corners,
+            normal,
+            reflectance: reflectance(scene, centre, to),
+            emission: emission(scene, centre, to),
+        };
+        let behind = side(-outward, -centre.geometric_normal);
+        let black = behind.reflectance.iter().chain(&behind.emission).all(|&value| value == 0.0);
+        [Some(side(outward, centre.geometric_normal)), (!black).then_some(behind)]
     }
 }
 
@@ -163,12 +181,17 @@ fn pieces_of_mesh(mesh: &MeshForm, shape: u32, edge: f32) -> Vec<([Vec3; 3], Sur
     found
 }
 
-fn emission(scene: &Scene, centre: &SurfacePoint) -> [f32; 3] {
+/// The albedo seen from a direction; zero where nothing is scattered there.
+fn reflectance(scene: &Scene, centre: &SurfacePoint, to: Vec3) -> [f32; 3] {
+    let scatterer = scene.scatterer(centre, to);
+    let scatters = scatterer.sample(to, 0.5, [0.5, 0.5], Mode::Radiance).is_some();
+    if scatters { scatterer.bsdf.albedo_hint().to_rgb() } else { [0.0; 3] }
+}
+
+/// pi times the radiance in a direction.
+fn emission(scene: &Scene, centre: &SurfacePoint, to: Vec3) -> [f32; 3] {
     let Some((_, light)) = scene.area_light(centre) else { return [0.0; 3] };
-    light
-        .radiance(centre, centre.geometric_normal, scene.textures())
-        .to_rgb()
-        .map(|l| std::f32::consts::PI * l)
+    light.radiance(centre, to, scene.textures()).to_rgb().map(|l| std::f32::consts::PI * l)
 }
 
 /// The n^2 congruent parts of a triangle whose sides are cut into n.

@@ -190,6 +190,41 @@ fn radiosity_of_an_enclosure_is_known() {
     }
 }
 
+/// Walls that turn their backs and reflect on both sides look like walls that face the room; those that reflect in front alone
+/// are black from behind.
+#[test]
+fn radiosity_has_two_sides() {
+    let room = |walls: &str| {
+        format!(
+            r#"<scene version="3.0.0">
+            <sensor type="perspective">
+                <transform name="to_world"><lookat origin="0,0,0.9" target="0,0,-1" up="0,1,0"/></transform>
+                <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+            </sensor>
+            <shape type="cube">{walls}</shape>
+            <shape type="sphere">
+                <point name="center" x="0" y="0.6" z="0.4"/><float name="radius" value="0.3"/>
+                <emitter type="area"><rgb name="radiance" value="5"/></emitter>
+            </shape>
+        </scene>"#
+        )
+    };
+    let grey = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>"#;
+    let images = [
+        format!(r#"<boolean name="flip_normals" value="true"/>{grey}"#),
+        format!(r#"<bsdf type="twosided">{grey}</bsdf>"#),
+        grey.to_owned(),
+    ]
+    .map(|walls| {
+        let place = Workplace::with(&room(&walls));
+        place.succeed(&["radiosity", "scene.xml", "-o", "out.exr", "--patch", "0.1", "--rays", "256"]);
+        let image = read_exr_layers(&place.path("out.exr")).unwrap();
+        image.channels[0].1.iter().sum::<f32>()
+    });
+    assert!(images[0] > 1.0 && (images[1] / images[0] - 1.0).abs() < 0.05, "{images:?}");
+    assert_eq!(images[2], 0.0);
+}
+
 #[test]
 fn radiosity_tells_what_it_does_not_know() {
     for (more, expected) in [
