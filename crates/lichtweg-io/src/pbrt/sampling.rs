@@ -83,6 +83,10 @@ fn refuse(entity: &Entity, name: &'static str, text: &str, substitute: &str, rep
     }
 }
 
+fn refuse_regularization(entity: &Entity, report: &mut Report) {
+    refuse(entity, "regularize", "regularization is not supported", "materials stay as they are", report);
+}
+
 fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
     const UNSUPPORTED: [&str; 8] =
         ["ambientocclusion", "ao", "function", "mlt", "randomwalk", "simplevolpath", "sppm", "specular"];
@@ -94,24 +98,12 @@ fn integrator(entity: &Entity, report: &mut Report) -> IntegratorDescription {
     match entity.kind.as_str() {
         "path" | "volpath" => {
             light_choice = params.choice("lightsampler", &LIGHT_SAMPLERS, report);
-            refuse(
-                entity,
-                "regularize",
-                "regularization is not supported",
-                "materials stay as they are",
-                report,
-            );
+            refuse_regularization(entity, report);
         }
         "bdpt" => {
             estimator = EstimatorKind::Bidirectional;
             start_depth = None;
-            refuse(
-                entity,
-                "regularize",
-                "regularization is not supported",
-                "materials stay as they are",
-                report,
-            );
+            refuse_regularization(entity, report);
             for setting in ["visualizestrategies", "visualizeweights"] {
                 let text = "a render writes no images of strategies; the command \"pyramid\" does";
                 refuse(entity, setting, text, "the image alone is written", report);

@@ -168,20 +168,56 @@ fn compress<T: Copy + Default>(lanes: [T; LANES], mask: Mask16) -> [T; LANES] {
     out
 }
 
+/// What floats of both widths have in common.
+macro_rules! common {
+    ($element:ty) => {
+        #[inline(always)]
+        fn splat(x: $element) -> Self {
+            Self([x; LANES])
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            self.map(<$element>::sqrt)
+        }
+
+        #[inline(always)]
+        fn copysign(self, b: Self) -> Self {
+            self.zip(b, <$element>::copysign)
+        }
+
+        #[inline(always)]
+        fn lt(self, b: Self) -> Mask16 {
+            Mask16::test(self.0, b.0, |a, b| a < b)
+        }
+
+        #[inline(always)]
+        fn le(self, b: Self) -> Mask16 {
+            Mask16::test(self.0, b.0, |a, b| a <= b)
+        }
+
+        #[inline(always)]
+        fn equal(self, b: Self) -> Mask16 {
+            Mask16::test(self.0, b.0, |a, b| a == b)
+        }
+
+        #[inline(always)]
+        fn select(self, mask: Mask16, other: Self) -> Self {
+            let mut out = self;
+            for i in 0..LANES {
+                out.0[i] = if mask.lane(i) { self.0[i] } else { other.0[i] };
+            }
+            out
+        }
+    };
+}
+
 impl Float for F32 {
     type Mask = Mask16;
     type Bits = U32;
     type Double = F64;
 
-    #[inline(always)]
-    fn splat(x: f32) -> Self {
-        Self([x; LANES])
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(f32::sqrt)
-    }
+    common!(f32);
 
     #[inline(always)]
     fn min(self, b: Self) -> Self {
@@ -196,35 +232,6 @@ impl Float for F32 {
     #[inline(always)]
     fn abs(self) -> Self {
         self.map(f32::abs)
-    }
-
-    #[inline(always)]
-    fn copysign(self, b: Self) -> Self {
-        self.zip(b, f32::copysign)
-    }
-
-    #[inline(always)]
-    fn lt(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a < b)
-    }
-
-    #[inline(always)]
-    fn le(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a <= b)
-    }
-
-    #[inline(always)]
-    fn equal(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a == b)
-    }
-
-    #[inline(always)]
-    fn select(self, mask: Mask16, other: Self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = if mask.lane(i) { self.0[i] } else { other.0[i] };
-        }
-        out
     }
 
     #[inline(always)]
@@ -267,44 +274,7 @@ impl Double for F64 {
     type Mask = Mask16;
     type F32 = F32;
 
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Self([x; LANES])
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
-    }
-
-    #[inline(always)]
-    fn copysign(self, b: Self) -> Self {
-        self.zip(b, f64::copysign)
-    }
-
-    #[inline(always)]
-    fn lt(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a < b)
-    }
-
-    #[inline(always)]
-    fn le(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a <= b)
-    }
-
-    #[inline(always)]
-    fn equal(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a == b)
-    }
-
-    #[inline(always)]
-    fn select(self, mask: Mask16, other: Self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = if mask.lane(i) { self.0[i] } else { other.0[i] };
-        }
-        out
-    }
+    common!(f64);
 
     #[inline(always)]
     fn narrow(self) -> F32 {

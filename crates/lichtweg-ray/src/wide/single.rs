@@ -14,20 +14,52 @@ impl Mask for bool {
     }
 }
 
+/// What floats of both widths have in common.
+macro_rules! common {
+    ($element:ty) => {
+        #[inline(always)]
+        fn splat(x: $element) -> Self {
+            x
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            self.sqrt()
+        }
+
+        #[inline(always)]
+        fn copysign(self, b: Self) -> Self {
+            self.copysign(b)
+        }
+
+        #[inline(always)]
+        fn lt(self, b: Self) -> bool {
+            self < b
+        }
+
+        #[inline(always)]
+        fn le(self, b: Self) -> bool {
+            self <= b
+        }
+
+        #[inline(always)]
+        fn equal(self, b: Self) -> bool {
+            self == b
+        }
+
+        #[inline(always)]
+        fn select(self, mask: bool, other: Self) -> Self {
+            if mask { self } else { other }
+        }
+    };
+}
+
 impl Float for f32 {
     type Mask = bool;
     type Bits = u32;
     type Double = f64;
 
-    #[inline(always)]
-    fn splat(x: f32) -> Self {
-        x
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
+    common!(f32);
 
     #[inline(always)]
     fn min(self, b: Self) -> Self {
@@ -42,31 +74,6 @@ impl Float for f32 {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
-    }
-
-    #[inline(always)]
-    fn copysign(self, b: Self) -> Self {
-        self.copysign(b)
-    }
-
-    #[inline(always)]
-    fn lt(self, b: Self) -> bool {
-        self < b
-    }
-
-    #[inline(always)]
-    fn le(self, b: Self) -> bool {
-        self <= b
-    }
-
-    #[inline(always)]
-    fn equal(self, b: Self) -> bool {
-        self == b
-    }
-
-    #[inline(always)]
-    fn select(self, mask: bool, other: Self) -> Self {
-        if mask { self } else { other }
     }
 
     #[inline(always)]
@@ -89,40 +96,7 @@ impl Double for f64 {
     type Mask = bool;
     type F32 = f32;
 
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        x
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn copysign(self, b: Self) -> Self {
-        self.copysign(b)
-    }
-
-    #[inline(always)]
-    fn lt(self, b: Self) -> bool {
-        self < b
-    }
-
-    #[inline(always)]
-    fn le(self, b: Self) -> bool {
-        self <= b
-    }
-
-    #[inline(always)]
-    fn equal(self, b: Self) -> bool {
-        self == b
-    }
-
-    #[inline(always)]
-    fn select(self, mask: bool, other: Self) -> Self {
-        if mask { self } else { other }
-    }
+    common!(f64);
 
     #[inline(always)]
     fn narrow(self) -> f32 {

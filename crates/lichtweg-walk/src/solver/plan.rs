@@ -47,22 +47,21 @@ impl Solver<'_> {
         self.check_convergence()?;
         let mut shared = self.shared_cost(targets, options)?;
         let share = shared.cheapest() / targets.len() as f64;
-        if share < FIRST_PILOT * NEAR_STEP {
-            let answers = timed(|| self.solve_shared(targets, &shared, options))?;
-            let cost = Cost { method: answers[0].method, seconds: shared.cheapest() * 1e-9 };
-            let why =
-                format!("it takes about {}, no longer than to plan anything else", time(shared.cheapest()));
-            let told = |answer| Answer { why: why.clone(), costs: vec![cost], ..answer };
-            return Ok(answers.into_iter().map(told).collect());
-        }
-        if shared.fewest_walks > shared.cheapest() {
+        let together = |why: &dyn Fn(&Answer) -> String| {
             let answers = timed(|| self.solve_shared(targets, &shared, options))?;
             let told = |answer: Answer| Answer {
-                why: shared.why(&answer, shared.fewest_walks),
+                why: why(&answer),
                 costs: vec![Cost { method: answer.method, seconds: shared.cheapest() * 1e-9 }],
                 ..answer
             };
-            return Ok(answers.into_iter().map(told).collect());
+            Ok(answers.into_iter().map(told).collect())
+        };
+        if share < FIRST_PILOT * NEAR_STEP {
+            let took = time(shared.cheapest());
+            return together(&|_| format!("it takes about {took}, no longer than to plan anything else"));
+        }
+        if shared.fewest_walks > shared.cheapest() {
+            return together(&|answer| shared.why(answer, shared.fewest_walks));
         }
         let mut answers = Vec::with_capacity(targets.len());
         let (mut left, mut alone) = (Vec::new(), 0.0);

@@ -161,12 +161,12 @@ impl Camera {
             origin = origin + left * lx + up * ly;
         }
         let direction = direction.normalized();
-        let per_depth = splat(1.0) / direction.z;
+        let [tnear, tfar] = self.clip(direction.z);
         CameraRays {
             origin,
             direction: left * direction.x + up * direction.y + spread(pose.axes[2]) * direction.z,
-            tnear: splat(self.near) * per_depth,
-            tfar: splat(self.far) * per_depth,
+            tnear,
+            tfar,
         }
     }
 
@@ -185,10 +185,10 @@ impl Camera {
     }
 
     /// Distances between which the camera sees, in a direction whose cosine to the axis is given.
-    #[inline]
-    pub fn clip(&self, cos: f32) -> [f32; 2] {
-        let per_depth = 1.0 / cos;
-        [self.near * per_depth, self.far * per_depth]
+    #[inline(always)]
+    pub fn clip<F: Float>(&self, cos: F) -> [F; 2] {
+        let per_depth = F::splat(1.0) / cos;
+        [F::splat(self.near) * per_depth, F::splat(self.far) * per_depth]
     }
 
     /// A point on the lens, in the world.

@@ -14,7 +14,8 @@ mod splatting;
 use std::time::{Duration, Instant};
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
-use lichtweg_ray::{Ray, wide};
+use lichtweg_ray::Ray;
+use lichtweg_ray::wide::{self, Float};
 use rayon::prelude::*;
 
 use self::camera_paths::{Samples, StartPaths};
@@ -341,9 +342,17 @@ impl Job {
         let stream = u64::from(y) * u64::from(self.size[0]) + u64::from(x);
         let mut sampler = Sampler::new(self.sampler, self.seed, stream, index);
         let ([dx, dy], weight) = self.filter.sample(sampler.next_2d());
-        let film = [(x as f32 + 0.5 + dx) / self.size[0] as f32, (y as f32 + 0.5 + dy) / self.size[1] as f32];
+        let film = self.film_point([x as f32, y as f32], [dx, dy]);
         let (lens, time) = (sampler.next_2d(), sampler.next_1d());
         (self.camera.ray(film, lens, time), sampler, weight)
+    }
+
+    /// Where a pixel's centre, moved by an offset in pixels, lies on the film, which is [0, 1]^2.
+    #[inline(always)]
+    fn film_point<F: Float>(&self, [x, y]: [F; 2], [dx, dy]: [F; 2]) -> [F; 2] {
+        let half = F::splat(0.5);
+        let [width, height] = self.size;
+        [(x + half + dx) / F::splat(width as f32), (y + half + dy) / F::splat(height as f32)]
     }
 
     /// Copies the tiles into an image, and frees each.

@@ -304,16 +304,7 @@ impl QuadricForm {
         [position, normal]: [Vec3; 2],
         uv: Vec2,
     ) -> SurfacePoint {
-        SurfacePoint {
-            position,
-            error: sphere.error,
-            geometric_normal: normal,
-            shading_normal: normal,
-            uv,
-            shape,
-            primitive: 0,
-            place: Place::WORLD,
-        }
+        quadric_point(shape, [position, normal], sphere.error, uv)
     }
 
     /// The world point of a point on the surface in object space.
@@ -323,16 +314,7 @@ impl QuadricForm {
         let size = Vec3::from_array(
             self.to_world.rows.map(|r| (r[0].abs() + r[1].abs() + r[2].abs() + r[3].abs()) as f32),
         );
-        SurfacePoint {
-            position,
-            error: position_error(size.max_element()),
-            geometric_normal: normal,
-            shading_normal: normal,
-            uv,
-            shape,
-            primitive: 0,
-            place: Place::WORLD,
-        }
+        quadric_point(shape, [position, normal], position_error(size.max_element()), uv)
     }
 
     /// Outward normal in object space.
@@ -373,6 +355,21 @@ impl QuadricForm {
                 Vec3::new(p.x * scale, p.y * scale, p.z)
             }
         }
+    }
+}
+
+/// A point of a quadric in the world, whose shading normal is its normal.
+#[inline]
+fn quadric_point(shape: u32, [position, normal]: [Vec3; 2], error: f32, uv: Vec2) -> SurfacePoint {
+    SurfacePoint {
+        position,
+        error,
+        geometric_normal: normal,
+        shading_normal: normal,
+        uv,
+        shape,
+        primitive: 0,
+        place: Place::WORLD,
     }
 }
 

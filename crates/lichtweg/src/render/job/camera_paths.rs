@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use lichtweg_ray::wide::{Float, FloatLanes, Kernel, LANES, Lanes, Wide, Word, WordLanes};
+use lichtweg_ray::wide::{FloatLanes, Kernel, LANES, Lanes, Wide, Word, WordLanes};
 
 use super::{Job, Tile};
 use crate::transport::{Draws, Wave};
@@ -76,15 +76,9 @@ impl StartPaths<'_> {
     #[inline(always)]
     fn start<W: Wide>(&mut self, [x, y]: [W::U32; 2], index: W::U32, count: usize) {
         let job = self.job;
-        let [width, height] = job.size;
-        let (number, splat) = (W::U32::splat, W::F32::splat);
-        let mut draws = Draws::<W>::new(job.sampler, job.seed, y * number(width) + x, index);
+        let mut draws = Draws::<W>::new(job.sampler, job.seed, y * W::U32::splat(job.size[0]) + x, index);
         let ([dx, dy], weight) = job.filter.sample_lanes::<W>(draws.next_2d());
-        let half = splat(0.5);
-        let film = [
-            (x.to_float() + half + dx) / splat(width as f32),
-            (y.to_float() + half + dy) / splat(height as f32),
-        ];
+        let film = job.film_point([x.to_float(), y.to_float()], [dx, dy]);
         let lens = draws.next_2d();
         // The time, which is that of all.
         draws.skip(1);

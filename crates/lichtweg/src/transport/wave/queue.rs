@@ -4,16 +4,14 @@
 //! visit the same parts of the scene.
 
 use lichtweg_montecarlo::{Sampler, SamplerKind, SamplerState};
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Vec3, Vector};
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide, Word, WordLanes};
 use lichtweg_ray::{Ray, RayPacket};
 
 use super::super::path::{Connection, Departure, Walk};
 use super::draws::Draws;
 use super::lanes_of;
-use crate::color::Spectra;
-use crate::color::Spectrum;
-use lichtweg_ray::math::Vector;
+use crate::color::{Spectra, Spectrum};
 
 /// Walks in a queue, at most. More are sorted better, fewer stay in the cache.
 pub const CAPACITY: usize = 2048;
