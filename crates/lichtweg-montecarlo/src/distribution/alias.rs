@@ -108,6 +108,13 @@ impl AliasTable {
         self.buckets.get(i).map_or(0.0, |bucket| bucket.pmf)
     }
 
+    /// Bucket `i`: the share of it in `[0,1]` that belongs to entry i, and the entry that the rest belongs to. Panics out of range.
+    #[must_use]
+    pub fn bucket(&self, i: usize) -> (f32, u32) {
+        let Bucket { threshold, alias, .. } = self.buckets[i];
+        (threshold, alias)
+    }
+
     /// Number of entries; at least one.
     #[must_use]
     #[allow(clippy::len_without_is_empty)] // Never empty by construction.

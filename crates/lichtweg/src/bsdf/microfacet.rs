@@ -24,7 +24,7 @@ use lichtweg_ray::wide::Float;
 
 use super::erf::{erfc, inverse_erfc};
 use crate::lanes::warp::sin_cos_turn;
-use crate::lanes::{exp, ln};
+use crate::lanes::{BELOW_ONE, exp, ln};
 pub use crate::scene::description::MicrofacetKind;
 
 /// Smallest roughness: below it, a facet's half vector is lost in the rounding of its directions.
@@ -33,8 +33,6 @@ const MIN_ALPHA: f32 = 1e-4;
 const MAX_ALPHA: f32 = 1e3;
 /// 1 / sqrt(pi).
 const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
-/// Largest uniform number below 1 that single precision has: keeps inverted tails finite.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// A distribution of facet normals about the local z axis; or, of one kind, as many as `F` has lanes.
 #[derive(Clone, Copy, Debug)]

@@ -7,6 +7,7 @@
 use lichtweg_montecarlo::distribution::Discrete;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Wide};
 
+use crate::lanes::warp;
 use crate::scene::description::{FilterDescription, FilterKind};
 
 /// A separable filter, ready to draw offsets from.
@@ -131,8 +132,10 @@ impl Axis {
     #[inline(always)]
     fn sample_lanes<W: Wide>(&self, u: W::F32) -> (W::F32, W::F32) {
         let splat = W::F32::splat;
-        if let Self::Box { radius } = self {
-            return ((splat(2.0) * u - splat(1.0)) * splat(*radius), splat(1.0));
+        match self {
+            Self::Box { radius } => return ((splat(2.0) * u - splat(1.0)) * splat(*radius), splat(1.0)),
+            Self::Tent { radius } => return (warp::tent(u, *radius), splat(1.0)),
+            Self::Tabulated { .. } => {}
         }
         let u = u.to_lanes();
         let (mut offset, mut weight) = (Lanes::splat(0.0), Lanes::splat(0.0));

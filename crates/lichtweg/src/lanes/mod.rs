@@ -5,3 +5,18 @@ mod elementary;
 pub(crate) mod warp;
 
 pub(crate) use elementary::{exp, ln, polynomial};
+
+/// The largest number below 1.
+pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// The lanes of a mask.
+#[inline(always)]
+pub(crate) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            lane
+        })
+    })
+}

@@ -47,6 +47,16 @@ pub(crate) fn sin_cos_turn<F: Float>(turns: F) -> (F, F) {
     ((sin.bits() ^ sin_sign).as_float(), (cos.bits() ^ cos_sign).as_float())
 }
 
+/// See `warp::tent`.
+#[inline(always)]
+pub(crate) fn tent<F: Float>(u: F, radius: f32) -> F {
+    let splat = F::splat;
+    let (one, two) = (splat(1.0), splat(2.0));
+    let lower = u.lt(splat(0.5));
+    let root = (two * u.select(lower, one - u)).sqrt();
+    splat(radius) * (root - one).select(lower, one - root)
+}
+
 /// See `warp::cosine_hemisphere`.
 #[inline(always)]
 pub(crate) fn cosine_hemisphere<F: Float>(u: [F; 2]) -> Vector<F> {
@@ -113,6 +123,7 @@ mod tests {
             assert_eq!(uniform_cone_pdf(cone), warp::uniform_cone_pdf(cone));
             assert_eq!(one_minus_cos(u[1]), warp::one_minus_cos(u[1]));
             assert_eq!(uniform_triangle(u), warp::uniform_triangle(u));
+            assert_eq!(tent(u[0], cone), warp::tent(u[0], cone));
         }
     }
 }

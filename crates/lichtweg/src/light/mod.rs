@@ -9,6 +9,7 @@ mod cone;
 mod delta;
 mod emission;
 mod environment;
+mod few;
 mod selection;
 mod tree;
 

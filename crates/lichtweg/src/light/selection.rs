@@ -2,7 +2,11 @@
 
 use lichtweg_montecarlo::distribution::AliasTable;
 
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes};
+
+use super::few::FewTable;
 use super::tree::{LightBounds, LightTree, Receiver};
+use crate::lanes::{BELOW_ONE, lanes_of};
 use crate::scene::description::LightChoiceKind;
 
 /// Chooses lights.
@@ -12,7 +16,11 @@ use crate::scene::description::LightChoiceKind;
 /// [`LightTree`], down to the triangle, and count as one among those infinitely far.
 #[derive(Debug)]
 pub struct LightSelection {
-    table: Option<AliasTable>,
+    table: Option<Table>,
+    /// Those of the table's entries. The entry behind them, if there is one, stands for the lights at finite places.
+    choices: Vec<LightChoice>,
+    /// By light: the probability of the table's choice of it.
+    of_light: Vec<f32>,
     places: Option<Places>,
     /// By power alone: where walks from the lights begin.
     by_power: Option<AliasTable>,
@@ -42,6 +50,13 @@ pub struct LightChoice {
     pub probability: f32,
 }
 
+/// Chooses entries.
+#[derive(Debug)]
+enum Table {
+    Few(FewTable),
+    Many(AliasTable),
+}
+
 /// Lights at finite places.
 #[derive(Debug)]
 struct Places {
@@ -51,8 +66,6 @@ struct Places {
     parts: Vec<Part>,
     /// By light: the number of its first part.
     first: Vec<Option<u32>>,
-    /// The number that stands for them in the table, after those of all lights.
-    entry: u32,
     /// Probability that they are asked.
     probability: f32,
 }
@@ -71,7 +84,10 @@ struct Part {
 const UNIFORM_SHARE: f64 = 0.5;
 
 /// Share of the choice by power where there is a tree, which knows nothing of occlusion.
-const POWER_SHARE: f64 = 0.1;
+const POWER_SHARE: f32 = 0.1;
+
+/// A light of so many triangles is chosen with its triangle at once.
+const FEW_TRIANGLES: usize = 16;
 
 /// Lights at finite places that are worth a tree, however few their parts: from the third on, what the choice by place costs (a tenth
 /// to a fifth of a path) is less than what it gains.
@@ -97,49 +113,56 @@ impl LightSelection {
             LightChoiceKind::Tree => parts > 0,
             LightChoiceKind::Uniform | LightChoiceKind::Power => false,
         };
-        if !by_place {
-            return Self { table: mixed(&powers, uniform), places: None, by_power };
+        let mut shares = powers;
+        let mut places = None;
+        if by_place {
+            let power_of_placed: f32 = placed().map(|l| l.power).sum();
+            for (share, light) in shares.iter_mut().zip(lights) {
+                *share = if light.parts.is_empty() { *share } else { 0.0 };
+            }
+            shares.push(power_of_placed);
+            mix(&mut shares, uniform);
+            places = shares.pop().and_then(|probability| Places::new(lights, probability));
+        } else {
+            mix(&mut shares, uniform);
         }
-        let power_of_placed: f32 = placed().map(|l| l.power).sum();
-        let outside = lights.iter().map(|l| if l.parts.is_empty() { l.power } else { 0.0 });
-        let table = mixed(&outside.chain([power_of_placed]).collect::<Vec<_>>(), uniform);
-        let places = table.as_ref().and_then(|table| Places::new(lights, table.pmf(lights.len())));
-        Self { table, places, by_power }
+        let (choices, mut weights) = entries(lights, &shares);
+        weights.extend(places.as_ref().map(|places| places.probability));
+        let table = AliasTable::new(&weights).ok().map(Table::new);
+        Self { table, choices, of_light: shares, places, by_power }
     }
 
     /// A light for a receiver, and the probability of its choice; `None` where there is none that can shine on it.
     #[inline]
     pub fn sample(&self, to: &Receiver, u: f32) -> Option<LightChoice> {
-        let pick = self.table.as_ref()?.sample(u);
-        match &self.places {
-            Some(places) if pick.index as u32 == places.entry => places.sample(to, pick.remapped),
-            _ => Some(LightChoice { light: pick.index as u32, triangle: None, probability: pick.pmf }),
+        let (entry, rest) = self.table.as_ref()?.sample(u);
+        match self.choices.get(entry as usize) {
+            Some(choice) => Some(*choice),
+            None => self.places.as_ref()?.sample(to, rest),
         }
     }
 
-    /// The same for some receivers at a time, those that have a number.
+    /// The same for some of sixteen receivers.
     #[inline(always)]
-    pub fn sample_many<const N: usize>(
+    pub fn sample_lanes<W: Wide>(
         &self,
-        to: &[Receiver; N],
-        u: &[Option<f32>; N],
-    ) -> [Option<LightChoice>; N] {
-        let Some(table) = &self.table else { return [None; N] };
-        let mut choices = [None; N];
-        let mut asking = [None; N];
-        for ((choice, asks), u) in choices.iter_mut().zip(&mut asking).zip(u) {
-            let Some(u) = *u else { continue };
-            let pick = table.sample(u);
-            match &self.places {
-                Some(places) if pick.index as u32 == places.entry => *asks = Some(pick.remapped),
-                _ => {
-                    *choice =
-                        Some(LightChoice { light: pick.index as u32, triangle: None, probability: pick.pmf })
-                }
-            }
+        to: &Receiver<W::F32>,
+        u: W::F32,
+        lanes: u32,
+    ) -> [Option<LightChoice>; LANES] {
+        let mut choices = [None; LANES];
+        let Some(table) = &self.table else { return choices };
+        let (entry, rest) = table.sample_lanes::<W>(u);
+        let entry = entry.to_lanes();
+        let mut asking = 0;
+        for lane in lanes_of(lanes) {
+            choices[lane] = self.choices.get(entry.0[lane] as usize).copied();
+            asking |= u32::from(choices[lane].is_none()) << lane;
         }
-        if let Some(places) = &self.places {
-            places.sample_many(to, &asking, &mut choices);
+        if asking != 0
+            && let Some(places) = &self.places
+        {
+            places.sample_lanes::<W>(to, rest, asking, &mut choices);
         }
         choices
     }
@@ -149,8 +172,41 @@ impl LightSelection {
     pub fn probability(&self, to: &Receiver, light: u32, triangle: u32) -> f32 {
         match &self.places {
             Some(places) if places.first[light as usize].is_some() => places.probability(to, light, triangle),
-            _ => self.table.as_ref().map_or(0.0, |t| t.pmf(light as usize)),
+            _ => self.of_light[light as usize],
         }
+    }
+
+    /// The same for some of sixteen receivers and the lights there; of no meaning for others.
+    #[inline(always)]
+    pub fn probability_lanes<W: Wide>(
+        &self,
+        to: &Receiver<W::F32>,
+        lights: &Lanes<u32>,
+        triangles: &Lanes<u32>,
+        lanes: u32,
+    ) -> W::F32 {
+        let mut probability = Lanes::splat(0.0);
+        let (mut parts, mut placed) = (Lanes::splat(0), 0);
+        for lane in lanes_of(lanes) {
+            let light = lights.0[lane] as usize;
+            match self.places.as_ref().and_then(|places| places.first[light]) {
+                Some(first) => {
+                    placed |= 1 << lane;
+                    parts.0[lane] = first + triangles.0[lane];
+                }
+                None => probability.0[lane] = self.of_light[light],
+            }
+        }
+        if placed != 0
+            && let Some(places) = &self.places
+        {
+            let by_tree = places.tree.probability_lanes::<W>(to, &parts, placed).to_lanes();
+            for lane in lanes_of(placed) {
+                let part = &places.parts[parts.0[lane] as usize];
+                probability.0[lane] = places.probability_of(part, by_tree.0[lane]);
+            }
+        }
+        W::F32::load(&probability)
     }
 
     /// Whether it makes a difference where a receiver is, and how it is turned.
@@ -194,50 +250,44 @@ impl Places {
         }
         let by_power = AliasTable::new(&powers).ok()?;
         parts.iter_mut().enumerate().for_each(|(i, part)| part.power_share = by_power.pmf(i));
-        Some(Self {
-            tree: LightTree::new(&bounds),
-            by_power,
-            parts,
-            first,
-            entry: lights.len() as u32,
-            probability,
-        })
+        Some(Self { tree: LightTree::new(&bounds), by_power, parts, first, probability })
     }
 
     #[inline]
     fn sample(&self, to: &Receiver, u: f32) -> Option<LightChoice> {
-        match Ask::new(u) {
-            Ask::Power(u) => Some(self.sample_by_power(to, u)),
-            Ask::Tree(u) => self.tree.sample(to, u).map(|end| self.choice(end)),
+        match u < POWER_SHARE {
+            true => Some(self.sample_by_power(to, u)),
+            false => self.tree.sample(to, of_tree(u)).map(|end| self.choice(end)),
         }
     }
 
     #[inline(always)]
-    fn sample_many<const N: usize>(
+    fn sample_lanes<W: Wide>(
         &self,
-        to: &[Receiver; N],
-        u: &[Option<f32>; N],
-        choices: &mut [Option<LightChoice>; N],
+        to: &Receiver<W::F32>,
+        u: W::F32,
+        lanes: u32,
+        choices: &mut [Option<LightChoice>; LANES],
     ) {
-        let mut asking = [None; N];
-        for (((choice, asks), to), u) in choices.iter_mut().zip(&mut asking).zip(to).zip(u) {
-            match u.map(Ask::new) {
-                Some(Ask::Power(u)) => *choice = Some(self.sample_by_power(to, u)),
-                Some(Ask::Tree(u)) => *asks = Some(u),
-                None => {}
-            }
-        }
-        let ends = self.tree.sample_many(to, &asking);
+        let by_power = u.lt(W::F32::splat(POWER_SHARE)).bits() & lanes;
+        let ends = self.tree.sample_lanes::<W>(to, of_tree(u), lanes & !by_power);
         for (choice, end) in choices.iter_mut().zip(ends) {
             if let Some(end) = end {
                 *choice = Some(self.choice(end));
             }
         }
+        if by_power != 0 {
+            let (to, u) = (to.to_singles(), u.to_lanes());
+            for lane in lanes_of(by_power) {
+                choices[lane] = Some(self.sample_by_power(&to[lane], u.0[lane]));
+            }
+        }
     }
 
+    /// By a number below their share.
     #[inline(never)]
-    fn sample_by_power(&self, to: &Receiver, u: f64) -> LightChoice {
-        let part = self.by_power.sample_f64(u).index as u32;
+    fn sample_by_power(&self, to: &Receiver, u: f32) -> LightChoice {
+        let part = self.by_power.sample_f64(f64::from(u) / f64::from(POWER_SHARE)).index as u32;
         self.choice((part, self.tree.probability(to, part)))
     }
 
@@ -257,36 +307,76 @@ impl Places {
 
     #[inline]
     fn probability_of(&self, part: &Part, by_tree: f32) -> f32 {
-        const SHARE: f32 = POWER_SHARE as f32;
-        self.probability * (SHARE * part.power_share + (1.0 - SHARE) * by_tree) * part.inverse_share
+        self.probability
+            * (POWER_SHARE * part.power_share + (1.0 - POWER_SHARE) * by_tree)
+            * part.inverse_share
     }
 }
 
-/// How a part is chosen, and what is left of the random number.
-enum Ask {
-    Power(f64),
-    Tree(f64),
+/// What is left, for the tree, of a number that is not below the share of the choice by power.
+#[inline(always)]
+fn of_tree<F: Float>(u: F) -> F {
+    ((u - F::splat(POWER_SHARE)) / F::splat(1.0 - POWER_SHARE)).min(F::splat(BELOW_ONE))
 }
 
-impl Ask {
-    #[inline]
-    fn new(u: f32) -> Self {
-        let u = f64::from(u);
-        match u < POWER_SHARE {
-            true => Self::Power(u / POWER_SHARE),
-            false => Self::Tree((u - POWER_SHARE) / (1.0 - POWER_SHARE)),
+impl Table {
+    fn new(table: AliasTable) -> Self {
+        match table.len() <= FewTable::MOST {
+            true => Self::Few(FewTable::new(&table)),
+            false => Self::Many(table),
         }
     }
+
+    /// An entry, and what is left of the number.
+    #[inline]
+    fn sample(&self, u: f32) -> (u32, f32) {
+        match self {
+            Self::Few(table) => table.sample(u),
+            Self::Many(table) => {
+                let pick = table.sample(u);
+                (pick.index as u32, pick.remapped)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn sample_lanes<W: Wide>(&self, u: W::F32) -> (W::U32, W::F32) {
+        if let Self::Few(table) = self {
+            return table.sample_lanes::<W>(u);
+        }
+        let (mut entries, mut rests) = (Lanes::splat(0), u.to_lanes());
+        for (entry, rest) in entries.0.iter_mut().zip(&mut rests.0) {
+            (*entry, *rest) = self.sample(*rest);
+        }
+        (W::U32::load(&entries), W::F32::load(&rests))
+    }
 }
 
-/// By power and uniformly, with this share of the latter.
-fn mixed(powers: &[f32], uniform: f64) -> Option<AliasTable> {
+/// What is chosen at once: lights, or triangles of those that have few. With the weight of each.
+fn entries(lights: &[Candidate], shares: &[f32]) -> (Vec<LightChoice>, Vec<f32>) {
+    let mut entries = Vec::with_capacity(lights.len());
+    for ((number, light), &probability) in (0..).zip(lights).zip(shares) {
+        let choice = LightChoice { light: number, triangle: None, probability };
+        if probability == 0.0 {
+            continue;
+        }
+        if light.in_triangles && light.parts.len() <= FEW_TRIANGLES {
+            let triangles = (0..).zip(&light.parts).map(|(triangle, (_, share))| {
+                (LightChoice { triangle: Some(triangle), ..choice }, probability * share)
+            });
+            entries.extend(triangles.filter(|(_, weight)| *weight > 0.0));
+        } else {
+            entries.push((choice, probability));
+        }
+    }
+    entries.into_iter().unzip()
+}
+
+/// Turns powers into probabilities: by power, mixed with the uniform choice by its share.
+fn mix(powers: &mut [f32], uniform: f64) {
     let total: f64 = powers.iter().map(|&p| f64::from(p)).sum();
     let lit = powers.iter().filter(|&&p| p > 0.0).count() as f64;
-    let weight = |p: f32| match p > 0.0 {
-        true => (1.0 - uniform) * f64::from(p) / total + uniform / lit,
-        false => 0.0,
-    };
-    let weights: Vec<f64> = powers.iter().map(|&p| weight(p)).collect();
-    AliasTable::new(&weights).ok()
+    for p in powers.iter_mut().filter(|p| **p > 0.0) {
+        *p = ((1.0 - uniform) * f64::from(*p) / total + uniform / lit) as f32;
+    }
 }

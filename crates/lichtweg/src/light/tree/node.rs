@@ -1,31 +1,42 @@
 //! A node of eight children in three cache lines, and what each of them may give to a receiver.
 //!
 //! Children are bounded by spheres, on a grid of 16 bits over the node's box, and by cones of normals; all roundings are outward.
-//! A child is an inner node or a leaf. What is computed is computed for all eight side by side, without a branch, so that the
-//! compiler makes vectors of it; it is the same for every instruction set, as no operation in it is.
+//! A child is an inner node or a leaf. For one receiver, what is computed is computed for all eight side by side, without a branch,
+//! so that the compiler makes vectors of it; for sixteen receivers, child by child. The bits are the same.
 
 use std::f32::consts::PI;
 
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes};
 
 use super::bounds::LightBounds;
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
 
-/// Where light is to arrive.
+/// Where light is to arrive: one place, or one a lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Receiver {
+pub struct Receiver<F = f32> {
     /// Where.
-    pub position: Vec3,
+    pub position: Vector<F>,
     /// Unit normal of the side that light must come from; zero where it may come from both.
-    pub normal: Vec3,
+    pub normal: Vector<F>,
 }
 
 impl Receiver {
     /// A place that light may come to from everywhere.
     pub fn open(position: Vec3) -> Self {
         Self { position, normal: Vec3::ZERO }
+    }
+}
+
+impl<F: FloatLanes> Receiver<F> {
+    /// Of each lane.
+    #[inline(always)]
+    pub(crate) fn to_singles(self) -> [Receiver; LANES] {
+        let [p, n] = [self.position, self.normal].map(|v| [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]);
+        let lane = |v: &[Lanes<f32>; 3], i: usize| Vec3::new(v[0].0[i], v[1].0[i], v[2].0[i]);
+        std::array::from_fn(|i| Receiver { position: lane(&p, i), normal: lane(&n, i) })
     }
 }
 
@@ -146,54 +157,115 @@ impl Node {
     }
 
     /// What the children may give to a receiver, relative to each other; zero of what certainly cannot.
-    ///
+    #[inline(always)]
+    pub fn importances(&self, to: &Receiver) -> [f32; WIDTH] {
+        let to = Relative::new(to, self.corner);
+        let mut importances = [0.0; WIDTH];
+        for (slot, importance) in importances.iter_mut().enumerate() {
+            *importance = self.bounds(slot).importance(&to);
+        }
+        importances
+    }
+
+    /// [`Node::importances`] to any number of receivers, by child.
+    #[inline(always)]
+    pub fn importances_each<F: Float>(&self, to: &Receiver<F>) -> [F; WIDTH] {
+        let to = Relative::new(to, self.corner);
+        let mut importances = [F::splat(0.0); WIDTH];
+        for (slot, importance) in importances.iter_mut().enumerate() {
+            if self.intensities[slot] != 0 {
+                *importance = self.bounds(slot).importance(&to);
+            }
+        }
+        importances
+    }
+
+    #[inline(always)]
+    fn bounds(&self, slot: usize) -> Bounds {
+        let center = |axis: usize| f32::from(self.centers[axis][slot]) * self.step;
+        let axis = |axis: usize| f32::from(self.axes[axis][slot]) * (1.0 / AXIS);
+        let intensity = self.intensities[slot];
+        Bounds {
+            center: Vec3::new(center(0), center(1), center(2)),
+            radius: f32::from(self.radii[slot]) * self.step,
+            axis: Vec3::new(axis(0), axis(1), axis(2)),
+            cos_spread: f32::from(self.spreads[slot]) * (1.0 / COSINE),
+            intensity: f32::from_bits(u32::from(intensity & 0x7fff) << 16),
+            two_sided: intensity >> 15 != 0,
+        }
+    }
+}
+
+/// A receiver as seen from a node's corner.
+struct Relative<F> {
+    at: Vector<F>,
+    normal: Vector<F>,
+    /// 1 where light may come from both sides, else 0.
+    open: F,
+}
+
+impl<F: Float> Relative<F> {
+    #[inline(always)]
+    fn new(to: &Receiver<F>, corner: Vec3) -> Self {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let Vector { x, y, z } = to.normal;
+        let open = x.equal(zero) & y.equal(zero) & z.equal(zero);
+        let [a, b, c] = corner.to_array().map(F::splat);
+        Self { at: to.position - Vector::new(a, b, c), normal: to.normal, open: one.select(open, zero) }
+    }
+}
+
+/// What a node knows of a child, relative to its corner.
+struct Bounds {
+    center: Vec3,
+    radius: f32,
+    axis: Vec3,
+    cos_spread: f32,
+    intensity: f32,
+    two_sided: bool,
+}
+
+impl Bounds {
     /// intensity cos(t) cos(t') / max(d^2, r^2), with t the smallest angle at which light can leave the sphere towards the receiver,
     /// and t' the smallest to the receiver's normal at which it can arrive.
     #[inline(always)]
-    pub fn importances(&self, to: &Receiver) -> [f32; WIDTH] {
-        let open = if to.normal == Vec3::ZERO { 1.0 } else { 0.0 };
-        let at = to.position - self.corner;
-        let mut importances = [0.0; WIDTH];
-        for (i, importance) in importances.iter_mut().enumerate() {
-            let grid = |axis: usize| f32::from(self.centers[axis][i]) * self.step;
-            let (x, y, z) = (at.x - grid(0), at.y - grid(1), at.z - grid(2));
-            let radius = f32::from(self.radii[i]) * self.step;
-            let radius_squared = radius * radius;
-            let distance_squared = x * x + y * y + z * z;
-            let inverse = 1.0 / distance_squared.max(NEAREST).sqrt();
-            let intensity = f32::from_bits(u32::from(self.intensities[i] & 0x7fff) << 16);
-            let axis = |axis: usize| f32::from(self.axes[axis][i]) * (1.0 / AXIS);
-            let leaving = (axis(0) * x + axis(1) * y + axis(2) * z) * inverse;
-            let leaving = if self.intensities[i] >> 15 != 0 { leaving.abs() } else { leaving };
-            let leaving = (leaving + AXIS_ERROR).clamp(-1.0, 1.0);
-            let arriving = -(to.normal.x * x + to.normal.y * y + to.normal.z * z) * inverse;
-            // The angle under which the sphere is seen, and that of the cone.
-            let sin_size = (radius * inverse).min(1.0);
-            let cos_size = sine(sin_size);
-            let cos_spread = f32::from(self.spreads[i]) * (1.0 / COSINE);
-            let sin_spread = sine(cos_spread);
-            let (sin, cos) = angle_less(sine(leaving), leaving, sin_spread, cos_spread);
-            let (_, leaving) = angle_less(sin, cos, sin_size, cos_size);
-            let (_, arriving) = angle_less(sine(arriving), arriving, sin_size, cos_size);
-            let factor = leaving.max(0.0) * arriving.max(open);
-            let factor = if distance_squared <= radius_squared { 1.0 } else { factor };
-            *importance = intensity * factor / distance_squared.max(radius_squared).max(NEAREST);
-        }
-        importances
+    fn importance<F: Float>(&self, to: &Relative<F>) -> F {
+        let splat = F::splat;
+        let (zero, one, nearest) = (splat(0.0), splat(1.0), splat(NEAREST));
+        let (x, y, z) =
+            (to.at.x - splat(self.center.x), to.at.y - splat(self.center.y), to.at.z - splat(self.center.z));
+        let radius = splat(self.radius);
+        let radius_squared = splat(self.radius * self.radius);
+        let distance_squared = x * x + y * y + z * z;
+        let inverse = one / distance_squared.max(nearest).sqrt();
+        let leaving = (splat(self.axis.x) * x + splat(self.axis.y) * y + splat(self.axis.z) * z) * inverse;
+        let leaving = if self.two_sided { leaving.abs() } else { leaving };
+        let leaving = (leaving + splat(AXIS_ERROR)).max(splat(-1.0)).min(one);
+        let arriving = -(to.normal.x * x + to.normal.y * y + to.normal.z * z) * inverse;
+        // The angle under which the sphere is seen, and that of the cone.
+        let sin_size = (radius * inverse).min(one);
+        let cos_size = sine(sin_size);
+        let cos_spread = splat(self.cos_spread);
+        let (sin, cos) = angle_less(sine(leaving), leaving, sine(cos_spread), cos_spread);
+        let (_, leaving) = angle_less(sin, cos, sin_size, cos_size);
+        let (_, arriving) = angle_less(sine(arriving), arriving, sin_size, cos_size);
+        let factor = leaving.max(zero) * arriving.max(to.open);
+        let factor = one.select(distance_squared.le(radius_squared), factor);
+        splat(self.intensity) * factor / distance_squared.max(radius_squared).max(nearest)
     }
 }
 
 /// sqrt(1 - x^2).
 #[inline(always)]
-fn sine(cosine: f32) -> f32 {
-    (1.0 - cosine * cosine).max(0.0).sqrt()
+fn sine<F: Float>(cosine: F) -> F {
+    (F::splat(1.0) - cosine * cosine).max(F::splat(0.0)).sqrt()
 }
 
 /// Sine and cosine of a - b, or of 0 where b is larger, of angles in [0, pi] given by theirs.
 #[inline(always)]
-fn angle_less(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> (f32, f32) {
-    let less = cos_a >= cos_b;
+fn angle_less<F: Float>(sin_a: F, cos_a: F, sin_b: F, cos_b: F) -> (F, F) {
+    let less = cos_b.le(cos_a);
     let sin = sin_a * cos_b - cos_a * sin_b;
     let cos = cos_a * cos_b + sin_a * sin_b;
-    (if less { 0.0 } else { sin }, if less { 1.0 } else { cos })
+    (F::splat(0.0).select(less, sin), F::splat(1.0).select(less, cos))
 }

@@ -60,12 +60,16 @@ impl Kernel for StartPaths<'_> {
     #[inline(always)]
     fn run<W: Wide>(mut self) {
         let zeros = Lanes::splat(0);
+        let (mut last, mut position) = (u32::MAX, [0; 2]);
         while self.samples.left > 0 {
             let count = LANES.min(self.samples.left as usize);
             let (mut x, mut y, mut index) = (zeros, zeros, zeros);
             for lane in 0..count {
                 let Some((pixel, i)) = self.samples.next() else { break };
-                ([x.0[lane], y.0[lane]], index.0[lane]) = (self.tile.position(pixel), i);
+                if pixel != last {
+                    (last, position) = (pixel, self.tile.position(pixel));
+                }
+                ([x.0[lane], y.0[lane]], index.0[lane]) = (position, i);
             }
             self.start::<W>([W::U32::load(&x), W::U32::load(&y)], W::U32::load(&index), count);
         }

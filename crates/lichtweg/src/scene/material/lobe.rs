@@ -20,10 +20,37 @@ pub(crate) struct LobeMaterial {
     /// The colour that reflection is multiplied by, of the front and of the back: all that may be textured.
     pub reflectance: [Input; 2],
     /// Of the front and of the back: the reflectance, where constant, in elements 0 to 3, the model's other parameters behind it,
-    /// and 1 in the last where the back reflects.
+    /// the model's number in the last but one, and 1 in the last where the back reflects.
     pub rows: [Row; 2],
 }
 
+impl LobeModel {
+    /// Those there are.
+    pub const ALL: [Self; 3] = [
+        Self::Diffuse,
+        Self::RoughConductor(MicrofacetKind::Beckmann),
+        Self::RoughConductor(MicrofacetKind::Ggx),
+    ];
+
+    /// As it is written in rows.
+    #[inline(always)]
+    fn number(self) -> f32 {
+        match self {
+            Self::Diffuse => 0.0,
+            Self::RoughConductor(MicrofacetKind::Beckmann) => 1.0,
+            Self::RoughConductor(MicrofacetKind::Ggx) => 2.0,
+        }
+    }
+
+    /// Where the columns of rows are of this model.
+    #[inline(always)]
+    pub fn is_in<F: Float>(self, columns: &[F; 16]) -> F::Mask {
+        columns[MODEL].equal(F::splat(self.number()))
+    }
+}
+
+/// Where a row says which model it is of.
+const MODEL: usize = 14;
 /// Where a row says that the back reflects.
 const TWO_SIDED: usize = 15;
 
@@ -35,6 +62,7 @@ impl LobeMaterial {
             row.0[..4].copy_from_slice(&c.0);
         }
         row.0[4..4 + parameters.len()].copy_from_slice(parameters);
+        row.0[MODEL] = model.number();
         Self { model, reflectance: [reflectance; 2], rows: [row; 2] }
     }
 

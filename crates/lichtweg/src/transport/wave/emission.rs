@@ -4,7 +4,7 @@ use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes}
 
 use super::points::{Arrivals, Points};
 use super::queue::{NO_PDF, WalkLanes};
-use super::{PathObserver, Step, lanes_of, lanes_of_vector, vec3};
+use super::{PathObserver, Step, lanes_of, load_vector, set_vector};
 use crate::color::{Spectra, Spectrum};
 use crate::light::{Cone, Receiver, Sight};
 use crate::scene::description::LightStrategy;
@@ -73,15 +73,15 @@ impl<O: PathObserver> Step<'_, O> {
     /// With which probability connections from the departures would have chosen the lights.
     #[inline(always)]
     fn probabilities<W: Wide>(&self, arrivals: &Arrivals, walks: &WalkLanes<W>, lanes: u32) -> W::F32 {
-        let from = lanes_of_vector::<W>(walks.departure);
-        let path = walks.path.to_lanes();
-        let mut probability = Lanes([0.0; LANES]);
-        for lane in lanes_of(lanes) {
-            let normal = self.wave.paths.normal[path.0[lane] as usize];
-            let receiver = Receiver { position: vec3(&from, lane), normal };
-            let (light, primitive) = (arrivals.light[lane], arrivals.primitive(lane));
-            probability.0[lane] = self.scene.selection().probability(&receiver, light, primitive);
+        let selection = self.scene.selection();
+        let mut normals = [Lanes([0.0; LANES]); 3];
+        if selection.is_by_place() {
+            let path = walks.path.to_lanes();
+            for lane in lanes_of(lanes) {
+                set_vector(&mut normals, lane, self.wave.paths.normal[path.0[lane] as usize]);
+            }
         }
-        W::F32::load(&probability)
+        let receiver = Receiver { position: walks.departure, normal: load_vector::<W>(&normals) };
+        selection.probability_lanes::<W>(&receiver, &arrivals.light, arrivals.primitives(), lanes)
     }
 }

@@ -1,6 +1,6 @@
 //! Lights chosen for sixteen points, and points on them: triangles and whole spheres in lanes, others one by one.
 
-use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
 use super::points::Points;
@@ -55,19 +55,13 @@ impl<O: PathObserver> Step<'_, O> {
         lanes: u32,
     ) -> LightLanes<W> {
         let scene = self.scene;
-        let (u_light, u) = (u_light.to_lanes(), u0.to_lanes());
+        let u = u0.to_lanes();
         let mut chosen =
             Chosen { forms: [&NO_ROW; LANES], emissions: [&NO_ROW; LANES], triangles: 0, spheres: 0 };
         let (mut remapped, mut probability) = (u, Lanes::splat(0.0));
         let mut others = 0;
-        let (positions, normals) = (lanes_of_vector::<W>(points.position), lanes_of_vector::<W>(normal));
-        let mut receivers = [Receiver { position: Vec3::ZERO, normal: Vec3::ZERO }; LANES];
-        let mut numbers = [None; LANES];
-        for lane in lanes_of(lanes) {
-            receivers[lane] = Receiver { position: vec3(&positions, lane), normal: vec3(&normals, lane) };
-            numbers[lane] = Some(u_light.0[lane]);
-        }
-        let choices = scene.selection().sample_many(&receivers, &numbers);
+        let receiver = Receiver { position: points.position, normal };
+        let choices = scene.selection().sample_lanes::<W>(&receiver, u_light, lanes);
         for lane in lanes_of(lanes) {
             let Some(choice) = &choices[lane] else { continue };
             probability.0[lane] = choice.probability;
@@ -84,6 +78,7 @@ impl<O: PathObserver> Step<'_, O> {
         others |= near;
         out.probability = W::F32::load(&probability);
         if others != 0 {
+            let positions = lanes_of_vector::<W>(points.position);
             self.other_lights(&positions, &choices, [&u, &u1.to_lanes()], others, &mut out);
         }
         out

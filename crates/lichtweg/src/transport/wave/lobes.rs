@@ -1,35 +1,14 @@
 //! The lobes at sixteen points: each model in its own lanes.
 //!
-//! To add a model: its [`Lobe`] in `bsdf`, its row in `scene/material/lobe.rs`, and its arm in [`Materials::visit`].
+//! To add a model: its [`Lobe`] in `bsdf`, its number and row in `scene/material/lobe.rs`, and its arm in [`Materials::visit`].
 
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, LANES, Mask, Wide};
 
 use super::points::Materials;
-use crate::bsdf::{Diffuse, Lobe, MicrofacetKind, Proposal, RoughConductor};
+use crate::bsdf::{Diffuse, Lobe, Proposal, RoughConductor};
 use crate::color::Spectra;
 use crate::scene::LobeModel;
-
-/// The models there are, with the lanes of each.
-#[derive(Clone, Copy)]
-pub(super) struct Models([(LobeModel, u32); 3]);
-
-impl Models {
-    /// Without lanes.
-    pub const NONE: Self = Self([
-        (LobeModel::Diffuse, 0),
-        (LobeModel::RoughConductor(MicrofacetKind::Beckmann), 0),
-        (LobeModel::RoughConductor(MicrofacetKind::Ggx), 0),
-    ]);
-
-    /// Says which model a lane has.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, model: LobeModel) {
-        for (one, lanes) in &mut self.0 {
-            *lanes |= u32::from(*one == model) << lane;
-        }
-    }
-}
 
 /// What is asked of every model.
 trait Visit<W: Wide> {
@@ -41,11 +20,11 @@ impl<W: Wide> Materials<W> {
     #[inline(always)]
     fn visit(&self, visit: &mut impl Visit<W>) {
         let columns: &[W::F32; LANES] = &self.columns;
-        for (model, lanes) in self.models.0 {
-            if lanes == 0 {
+        for model in LobeModel::ALL {
+            let lanes = self.lanes & model.is_in(columns);
+            if !lanes.any() {
                 continue;
             }
-            let lanes = W::Mask::from_bits(lanes);
             match model {
                 LobeModel::Diffuse => visit.lobe(lanes, &Diffuse::from_columns(columns)),
                 LobeModel::RoughConductor(kind) => {

@@ -26,6 +26,7 @@ use super::path::Walk;
 use super::{PathObserver, PathTracer, WalkCounts};
 use crate::camera::CameraRays;
 use crate::color::{Spectra, Spectrum};
+use crate::lanes::lanes_of;
 use crate::scene::Scene;
 pub(crate) use draws::Draws;
 use queue::{CAPACITY, ConnectionQueue, Paths, WalkLanes, WalkQueue};
@@ -155,18 +156,6 @@ struct Step<'a, O> {
 #[inline(always)]
 fn lanes_from(at: usize, len: usize) -> u32 {
     (1 << (len - at).min(LANES)) - 1
-}
-
-/// The lanes of a mask.
-#[inline(always)]
-fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        (mask != 0).then(|| {
-            mask &= mask - 1;
-            lane
-        })
-    })
 }
 
 /// The numbers of the lanes.

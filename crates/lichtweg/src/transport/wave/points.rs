@@ -4,7 +4,6 @@ use lichtweg_ray::HitPacket;
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::lobes::Models;
 use super::queue::WalkLanes;
 use super::{NO_ROW, lanes_of, load_spectra, load_vector, set_vector};
 use crate::bsdf::Frame;
@@ -21,7 +20,7 @@ pub(super) struct Arrivals<'a> {
     /// Those on lights.
     pub emitting: u32,
     /// The light, where there is one, and its row.
-    pub light: [u32; LANES],
+    pub light: Lanes<u32>,
     pub emission: [&'a Row; LANES],
     forms: [&'a Row; LANES],
     spheres: u32,
@@ -45,7 +44,8 @@ pub(super) struct Materials<W: Wide> {
     pub frame: Frame<W::F32>,
     /// The columns of [`LobeMaterial::rows`].
     pub columns: [W::F32; LANES],
-    pub models: Models,
+    /// Where there is one.
+    pub lanes: W::Mask,
 }
 
 impl<'a> Arrivals<'a> {
@@ -58,7 +58,7 @@ impl<'a> Arrivals<'a> {
             lanes: 0,
             gone: 0,
             emitting: 0,
-            light: [0; LANES],
+            light: Lanes::splat(0),
             emission: [&NO_ROW; LANES],
             forms: [&NO_ROW; LANES],
             spheres: 0,
@@ -92,7 +92,7 @@ impl<'a> Arrivals<'a> {
             }
             if let Some((light, row)) = surface.light {
                 out.emitting |= bit;
-                (out.light[lane], out.emission[lane]) = (light, row);
+                (out.light.0[lane], out.emission[lane]) = (light, row);
             }
             out.materials[lane] = Some(surface.material);
             out.lanes |= bit;
@@ -100,10 +100,10 @@ impl<'a> Arrivals<'a> {
         out
     }
 
-    /// Number of the primitive that a walk hit.
+    /// Numbers of the primitives that were hit.
     #[inline(always)]
-    pub fn primitive(&self, lane: usize) -> u32 {
-        self.hits.primitive.0[lane]
+    pub fn primitives(&self) -> &Lanes<u32> {
+        &self.hits.primitive
     }
 
     /// Whether a walk is on a sphere.
@@ -149,14 +149,12 @@ impl<'a> Arrivals<'a> {
         let front = zero.lt(normal.dot(wo));
         let front_bits = front.bits();
         let mut rows = [&NO_ROW; LANES];
-        let mut models = Models::NONE;
         let mut textured = 0;
         for lane in lanes_of(self.lanes) {
             let Some(material) = self.materials[lane] else { continue };
             // The material of the side that is seen; a one-sided one is seen from the front only.
             rows[lane] = &material.rows[usize::from(front_bits >> lane & 1 == 0)];
             textured |= u32::from(material.is_textured()) << lane;
-            models.set(lane, material.model);
         }
         let mut columns = W::F32::columns(&rows);
         if textured != 0 {
@@ -176,7 +174,7 @@ impl<'a> Arrivals<'a> {
         let mirrored = LobeMaterial::is_two_sided(&columns).and_not(front);
         let frame = Frame::from_normal((-normal).select(mirrored, normal));
         let bitangent = (-frame.bitangent).select(mirrored, frame.bitangent);
-        Materials { frame: Frame { bitangent, ..frame }, columns, models }
+        Materials { frame: Frame { bitangent, ..frame }, columns, lanes: W::Mask::from_bits(self.lanes) }
     }
 }
 
