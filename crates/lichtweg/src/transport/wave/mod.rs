@@ -41,6 +41,7 @@ pub struct Wave {
     connections: ConnectionQueue,
     /// What the camera rays see only from, and only up to.
     clip: [Vec<f32>; 2],
+    hits: Vec<HitPacket>,
     radiance: Vec<Spectrum>,
 }
 
@@ -56,6 +57,7 @@ impl Wave {
             next: WalkQueue::new(),
             connections: ConnectionQueue::new(),
             clip: [const { Vec::new() }; 2],
+            hits: Vec::new(),
             radiance: Vec::new(),
         }
     }
@@ -200,54 +202,61 @@ impl<O: PathObserver> Kernel for Step<'_, O> {
         let walks = self.wave.walks.len();
         self.counts.edges += walks as u64;
         self.counts.rays.closest += walks as u64;
-        let mut rays = RayPacket::default();
-        for at in (0..walks).step_by(LANES) {
+        self.trace::<W>();
+        let hits = std::mem::take(&mut self.wave.hits);
+        for (at, hits) in (0..walks).step_by(LANES).zip(&hits) {
             let lanes = self.wave.walks.lanes::<W>(at);
-            lanes.rays(&self.wave.paths, &mut rays);
-            let active = lanes_from(at, walks);
-            if self.depth == 1 {
-                for lane in lanes_of(active) {
-                    let path = self.wave.walks.path(at + lane);
-                    rays.tnear.0[lane] = self.wave.clip[0][path];
-                    rays.tfar.0[lane] = self.wave.clip[1][path];
-                }
-            }
-            let hits = self.scene.accel().closest_packet(&rays, active);
-            self.vertices::<W>(lanes, at, active, &rays, &hits);
+            self.vertices::<W>(lanes, at, lanes_from(at, walks), hits);
         }
+        self.wave.hits = hits;
         self.connect::<W>();
     }
 }
 
 impl<O: PathObserver> Step<'_, O> {
+    /// What the walks hit. All of them before any is dealt with, so that the code of one thing at a time is in the cache.
+    #[inline(always)]
+    fn trace<W: Wide>(&mut self) {
+        let Wave { walks, paths, hits, clip, .. } = &mut *self.wave;
+        hits.clear();
+        let mut rays = RayPacket::default();
+        for at in (0..walks.len()).step_by(LANES) {
+            walks.lanes::<W>(at).rays(paths, &mut rays);
+            let active = lanes_from(at, walks.len());
+            if self.depth == 1 {
+                for lane in lanes_of(active) {
+                    let path = walks.path(at + lane);
+                    (rays.tnear.0[lane], rays.tfar.0[lane]) = (clip[0][path], clip[1][path]);
+                }
+            }
+            hits.push(self.scene.accel().closest_packet(&rays, active));
+        }
+    }
+
     /// What sixteen walks do at their vertices.
     #[inline(always)]
-    fn vertices<W: Wide>(
-        &mut self,
-        walks: WalkLanes<W>,
-        at: usize,
-        active: u32,
-        rays: &RayPacket,
-        hits: &HitPacket,
-    ) {
+    fn vertices<W: Wide>(&mut self, walks: WalkLanes<W>, at: usize, active: u32, hits: &HitPacket) {
         let fast = if self.observer.watches(self.depth) {
             0
         } else {
             self.simple_vertices::<W>(walks, active, hits)
         };
         for lane in lanes_of(active & !fast) {
-            self.vertex(at + lane, &rays.get(lane), hits, lane);
+            self.vertex(at + lane, hits, lane);
         }
     }
 
     /// What one walk does at its vertex.
-    fn vertex(&mut self, at: usize, ray: &Ray, hits: &HitPacket, lane: usize) {
+    fn vertex(&mut self, at: usize, hits: &HitPacket, lane: usize) {
         let Self { tracer, scene, wave, counts, observer, depth } = self;
         let (mut walk, path) = wave.walks.get(at, &wave.paths);
-        walk.ray = *ray;
+        if *depth == 1 {
+            let [tnear, tfar] = &wave.clip;
+            (walk.ray.tnear, walk.ray.tfar) = (tnear[path as usize], tfar[path as usize]);
+        }
         let point = hits
             .get(lane)
-            .and_then(|hit| scene.point(ray, &hit, &mut counts.rays, || walk.sampler.next_1d()));
+            .and_then(|hit| scene.point(&walk.ray, &hit, &mut counts.rays, || walk.sampler.next_1d()));
         let arrival = tracer.arrive(scene, path, *depth, &mut walk, point.as_ref(), *observer);
         wave.radiance[path as usize] += arrival.emitted;
         if let Some(connection) = arrival.connection {
