@@ -200,7 +200,8 @@ impl LightSelection {
         if placed != 0
             && let Some(places) = &self.places
         {
-            let by_tree = places.tree.probability_lanes::<W>(to, &parts, placed).to_lanes();
+            let root = places.tree.root_importances::<W>(to);
+            let by_tree = places.tree.probability_lanes::<W>(&root, to, &parts, placed).to_lanes();
             for lane in lanes_of(placed) {
                 let part = &places.parts[parts.0[lane] as usize];
                 probability.0[lane] = places.probability_of(part, by_tree.0[lane]);
@@ -256,7 +257,10 @@ impl Places {
     #[inline]
     fn sample(&self, to: &Receiver, u: f32) -> Option<LightChoice> {
         match u < POWER_SHARE {
-            true => Some(self.sample_by_power(to, u)),
+            true => {
+                let part = self.part_by_power(u);
+                Some(self.choice((part, self.tree.probability(to, part))))
+            }
             false => self.tree.sample(to, of_tree(u)).map(|end| self.choice(end)),
         }
     }
@@ -270,25 +274,27 @@ impl Places {
         choices: &mut [Option<LightChoice>; LANES],
     ) {
         let by_power = u.lt(W::F32::splat(POWER_SHARE)).bits() & lanes;
-        let ends = self.tree.sample_lanes::<W>(to, of_tree(u), lanes & !by_power);
+        let root = self.tree.root_importances::<W>(to);
+        let ends = self.tree.sample_lanes::<W>(&root, to, of_tree(u), lanes & !by_power);
         for (choice, end) in choices.iter_mut().zip(ends) {
             if let Some(end) = end {
                 *choice = Some(self.choice(end));
             }
         }
         if by_power != 0 {
-            let (to, u) = (to.to_singles(), u.to_lanes());
+            let (u, mut parts) = (u.to_lanes(), Lanes::splat(0));
+            lanes_of(by_power).for_each(|lane| parts.0[lane] = self.part_by_power(u.0[lane]));
+            let by_tree = self.tree.probability_lanes::<W>(&root, to, &parts, by_power).to_lanes();
             for lane in lanes_of(by_power) {
-                choices[lane] = Some(self.sample_by_power(&to[lane], u.0[lane]));
+                choices[lane] = Some(self.choice((parts.0[lane], by_tree.0[lane])));
             }
         }
     }
 
-    /// By a number below their share.
+    /// A part by a number below the share of the choice by power.
     #[inline(never)]
-    fn sample_by_power(&self, to: &Receiver, u: f32) -> LightChoice {
-        let part = self.by_power.sample_f64(f64::from(u) / f64::from(POWER_SHARE)).index as u32;
-        self.choice((part, self.tree.probability(to, part)))
+    fn part_by_power(&self, u: f32) -> u32 {
+        self.by_power.sample_f64(f64::from(u) / f64::from(POWER_SHARE)).index as u32
     }
 
     /// A part with its probability in the tree.

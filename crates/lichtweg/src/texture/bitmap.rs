@@ -111,8 +111,8 @@ impl Bitmap {
                 let (x, y) = (x - 0.5, y - 0.5);
                 let (x0, y0) = (floor(x), floor(y));
                 let (s, t) = (x - x0, y - y0);
-                let row = |y: f32| self.texel_at(x0, y) * (1.0 - s) + self.texel_at(x0 + 1.0, y) * s;
-                row(y0) * (1.0 - t) + row(y0 + 1.0) * t
+                let [[a, b], [c, d]] = self.four(x0, y0);
+                (a * (1.0 - s) + b * s) * (1.0 - t) + (c * (1.0 - s) + d * s) * t
             }
         };
         value * self.scale + Spectrum::splat(self.offset)
@@ -128,11 +128,29 @@ impl Bitmap {
         )
     }
 
+    /// The texels from an integer coordinate on, by row.
+    #[inline]
+    fn four(&self, x: f32, y: f32) -> [[Spectrum; 2]; 2] {
+        let (right, below) = (self.width as i32 - 1, self.height as i32 - 1);
+        // Conversions saturate, and take NaN to zero.
+        let (column, row) = (x as i32, y as i32);
+        if x >= 0.0 && y >= 0.0 && column < right && row < below {
+            let width = self.width as usize;
+            let first = row as usize * width + column as usize;
+            return [first, first + width].map(|i| [self.texel_of(i), self.texel_of(i + 1)]);
+        }
+        [y, y + 1.0].map(|y| [self.texel_at(x, y), self.texel_at(x + 1.0, y)])
+    }
+
     fn texel_at(&self, x: f32, y: f32) -> Spectrum {
         let (Some(x), Some(y)) = (wrap(self.wrap, x, self.width), wrap(self.wrap, y, self.height)) else {
             return Spectrum::ZERO;
         };
-        let index = y as usize * self.width as usize + x as usize;
+        self.texel_of(y as usize * self.width as usize + x as usize)
+    }
+
+    #[inline]
+    fn texel_of(&self, index: usize) -> Spectrum {
         Spectrum::rgb(match &self.texels {
             Texels::U8 { data, decode } => data[index].map(|v| decode[usize::from(v)]),
             Texels::F32(data) => data[index],

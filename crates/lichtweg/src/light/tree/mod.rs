@@ -123,18 +123,25 @@ impl LightTree {
         }
     }
 
-    /// The same for some of sixteen receivers: from the root in lanes, and then level by level; what they wait for from memory, they
-    /// wait for together.
+    /// What each slot of the root may give to sixteen receivers.
+    #[inline(always)]
+    pub fn root_importances<W: Wide>(&self, to: &Receiver<W::F32>) -> [W::F32; WIDTH] {
+        self.nodes[0].importances_each(to)
+    }
+
+    /// [`LightTree::sample`] for some of sixteen receivers: from the root, whose importances are given, in lanes, and then level by
+    /// level; what they wait for from memory, they wait for together.
     #[inline(always)]
     pub fn sample_lanes<W: Wide>(
         &self,
+        root_importances: &[W::F32; WIDTH],
         to: &Receiver<W::F32>,
         u: W::F32,
         lanes: u32,
     ) -> [Option<(u32, f32)>; LANES] {
         let mut ends = [None; LANES];
-        let Some(root) = self.nodes.first() else { return ends };
-        let pick = Pick::new(&root.importances_each(to), u);
+        let root = &self.nodes[0];
+        let pick = Pick::new(root_importances, u);
         let (slot, probability, rest) =
             (pick.slot.to_lanes(), pick.probability.to_lanes(), pick.rest.to_lanes());
         let mut walks = [None; LANES];
@@ -196,11 +203,11 @@ impl LightTree {
     #[inline(always)]
     pub fn probability_lanes<W: Wide>(
         &self,
+        root_importances: &[W::F32; WIDTH],
         to: &Receiver<W::F32>,
         leaves: &Lanes<u32>,
         lanes: u32,
     ) -> W::F32 {
-        let Some(root) = self.nodes.first() else { return W::F32::splat(0.0) };
         let (mut slots, mut below) = (Lanes::splat(0), Lanes::splat(0.0));
         let singles = (!self.is_shallow()).then(|| to.to_singles());
         for lane in lanes_of(lanes) {
@@ -208,7 +215,7 @@ impl LightTree {
             let Some((slot, probability)) = self.climb(&to, leaves.0[lane]) else { continue };
             (slots.0[lane], below.0[lane]) = (slot as u32, probability);
         }
-        W::F32::load(&below) * share(&root.importances_each(to), W::U32::load(&slots))
+        W::F32::load(&below) * share(root_importances, W::U32::load(&slots))
     }
 
     /// Whether the root is all there is, and climbing to it asks nothing of a receiver.

@@ -246,7 +246,7 @@ impl Bounds {
         let sin_size = (radius * inverse).min(one);
         let cos_size = sine(sin_size);
         let cos_spread = splat(self.cos_spread);
-        let (sin, cos) = angle_less(sine(leaving), leaving, sine(cos_spread), cos_spread);
+        let (sin, cos) = angle_less(sine(leaving), leaving, splat(sine(self.cos_spread)), cos_spread);
         let (_, leaving) = angle_less(sin, cos, sin_size, cos_size);
         let (_, arriving) = angle_less(sine(arriving), arriving, sin_size, cos_size);
         let factor = leaving.max(zero) * arriving.max(to.open);
