@@ -248,9 +248,9 @@ impl LightTree {
 #[inline(always)]
 fn share<F: Float>(importances: &[F; WIDTH], slot: F::Bits) -> F {
     let (zero, mut own, mut total) = (F::splat(0.0), importances[0], importances[0]);
-    for i in 1..WIDTH {
-        own = importances[i].select(slot.equal(F::Bits::splat(i as u32)), own);
-        total = total + importances[i];
+    for (i, &importance) in (0..).zip(importances).skip(1) {
+        own = importance.select(slot.equal(F::Bits::splat(i)), own);
+        total = total + importance;
     }
     (own / total).select(zero.lt(total), zero)
 }

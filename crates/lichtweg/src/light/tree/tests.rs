@@ -3,7 +3,8 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
-use lichtweg_ray::math::{Bounds3, Vec3};
+use lichtweg_ray::math::{Bounds3, Vec3, Vector};
+use lichtweg_ray::wide::{self, Kernel, LANES, Lanes, Wide};
 
 use super::*;
 
@@ -43,7 +44,7 @@ fn samples_follow_their_probabilities() {
         for to in receivers() {
             let mut seen = vec![0_u32; count as usize];
             for i in 0..SAMPLES {
-                let u = (f64::from(i) + 0.5) / f64::from(SAMPLES);
+                let u = (i as f32 + 0.5) / SAMPLES as f32;
                 let Some((leaf, probability)) = tree.sample(&to, u) else { continue };
                 seen[leaf as usize] += 1;
                 let said = tree.probability(&to, leaf);
@@ -102,6 +103,59 @@ fn bounds_hold() {
     assert!(checked > 100_000);
 }
 
+struct Together<'a> {
+    tree: &'a LightTree,
+    to: &'a [Receiver; LANES],
+    u: Lanes<f32>,
+}
+
+impl Kernel for Together<'_> {
+    type Output = ([Option<(u32, f32)>; LANES], Lanes<f32>);
+
+    #[inline(always)]
+    fn run<W: Wide>(self) -> Self::Output {
+        let vector = |of: fn(&Receiver) -> Vec3| {
+            let component =
+                |axis: usize| W::F32::load(&Lanes(std::array::from_fn(|i| of(&self.to[i]).to_array()[axis])));
+            Vector::new(component(0), component(1), component(2))
+        };
+        let to = Receiver { position: vector(|to| to.position), normal: vector(|to| to.normal) };
+        let root = self.tree.root_importances::<W>(&to);
+        let ends = self.tree.sample_lanes::<W>(&root, &to, W::F32::load(&self.u), 0xffff);
+        let leaves = Lanes(ends.map(|end| end.map_or(0, |(leaf, _)| leaf)));
+        (ends, self.tree.probability_lanes::<W>(&root, &to, &leaves, 0xffff).to_lanes())
+    }
+}
+
+/// Sixteen receivers are given what each would be given alone, to the bit.
+#[test]
+fn lanes_are_single_receivers() {
+    let mut deep = 0;
+    for count in [1, 5, 8, 9, 700] {
+        let tree = LightTree::new(&leaves(count));
+        for i in 0..200 {
+            let mut next = numbers(4, i);
+            let to = std::array::from_fn(|lane| {
+                let normal = Vec3::new(next(), next(), next()).normalized();
+                Receiver {
+                    position: Vec3::new(next(), next(), next()) * 2.0,
+                    normal: if lane % 4 == 0 { Vec3::ZERO } else { normal },
+                }
+            });
+            let u = Lanes(std::array::from_fn(|_| 0.5 * (1.0 + next())));
+            let (ends, probabilities) = wide::dispatch(Together { tree: &tree, to: &to, u });
+            for lane in 0..LANES {
+                let alone = tree.sample(&to[lane], u.0[lane]);
+                assert_eq!(ends[lane], alone);
+                let leaf = alone.map_or(0, |(leaf, _)| leaf);
+                assert_eq!(probabilities.0[lane], tree.probability(&to[lane], leaf));
+                deep += u32::from(count > 8 && alone.is_some());
+            }
+        }
+    }
+    assert!(deep > 3000);
+}
+
 /// Lights in one place, on a line, without extent, and of very different brightness.
 #[test]
 fn degenerate_lights() {
@@ -120,7 +174,7 @@ fn degenerate_lights() {
         for x in [0.0, 1.0, -1e-20, 1e10] {
             let to = Receiver::open(Vec3::new(x, 0.0, 0.0));
             for i in 0..1000 {
-                let Some((leaf, probability)) = tree.sample(&to, f64::from(i) / 1000.0) else { continue };
+                let Some((leaf, probability)) = tree.sample(&to, i as f32 / 1000.0) else { continue };
                 assert!(probability > 0.0 && probability <= 1.0 + 1e-5, "{x}: {leaf} {probability}");
             }
         }
