@@ -122,6 +122,13 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
     }
     if let Some(path) = &args.output {
         let began = Instant::now();
+        if !matches!(args.method, Method::Auto | Method::Deterministic | Method::Direct | Method::Sequential)
+        {
+            console.say(
+                "note: for all patches a deterministic solver is the right tool, or --method sequential, which walks for all of \
+                 them; this one serves who wants a few, and may take a hundred times as long",
+            );
+        }
         let radiosity: Vec<Vec<f64>> = console.stage("solving", || {
             systems.iter().map(|system| solve(system, args)).collect::<Result<_, _>>()
         })?;

@@ -326,6 +326,56 @@ fn what_walks_cannot_come_to_is_zero_among_others() {
     }
 }
 
+/// What no source comes to is 0 for certain, by every method, and it is told why: near by, and at the end of a long way.
+#[test]
+fn what_no_source_comes_to_is_zero() {
+    for ring in [3, 30_000] {
+        let mut triplets: Vec<_> = (0..ring).map(|i| (i, (i + 1) % ring, 0.99)).collect();
+        triplets.extend([(ring, ring + 1, 0.5), (ring + 1, ring, -0.5), (ring, 0, 0.1)]);
+        let mut b = vec![0.0; ring + 2];
+        (b[ring], b[ring + 1]) = (1.0, 2.0);
+        let system = System::fixed_point(matrix(ring + 2, &triplets), b).unwrap();
+        for method in methods() {
+            let solver = Solver::new(&system);
+            let asked = [0, ring, ring - 1].map(Functional::Unknown);
+            for asked in [&asked[..1], &asked[..]] {
+                let answers = solver.solve_each(asked, &options(method, 0.01)).unwrap();
+                let zero = &answers[0];
+                assert!(zero.value == 0.0 && zero.half_width == 0.0 && zero.reached, "{method:?} {zero:?}");
+                assert!(
+                    zero.evidence == Evidence::Proven && zero.why.contains("zero"),
+                    "{method:?} {zero:?}"
+                );
+                // (1 + 0.5 * 2) / (1 + 0.25)
+                let other = answers.get(1).map_or(1.6, |answer| answer.value);
+                assert!((other - 1.6).abs() < 0.05, "{method:?} {other}");
+            }
+        }
+    }
+    // Where nothing ends, x = x has any solution.
+    let closed = System::fixed_point(matrix(2, &[(0, 0, 1.0)]), vec![0.0, 1.0]).unwrap();
+    let refused = Solver::new(&closed).solve(&Functional::Unknown(0), &Options::default());
+    assert!(matches!(refused, Err(Refusal::Diverges { .. })), "{refused:?}");
+}
+
+/// Of many unknowns that forward walks are asked for, those that they hardly ever come to are found from their own end.
+#[test]
+fn forward_walks_for_many_do_not_fail_for_one() {
+    // A way that one walk in a million takes to its end.
+    let mut triplets: Vec<_> = (0..20).map(|i| (i + 1, i, 0.4)).collect();
+    triplets.extend((0..20).map(|i| (21, i, 0.4)));
+    let mut b = vec![0.0; 22];
+    b[0] = 1.0;
+    let system = System::fixed_point(matrix(22, &triplets), b).unwrap();
+    let asked = [0, 1, 20].map(Functional::Unknown);
+    let options = Options { most_steps: 200_000, ..options(Method::Forward, 0.05) };
+    let answers = Solver::new(&system).solve_each(&asked, &options).unwrap();
+    let exact = 0.4_f64.powi(20);
+    assert!(answers[2].method == Method::PushWalk && !answers[2].warnings.is_empty(), "{:?}", answers[2]);
+    assert!((answers[2].value / exact - 1.0).abs() < 0.05, "{:?}", answers[2]);
+    assert!(answers[1].method == Method::Forward && (answers[1].value / 0.4 - 1.0).abs() < 0.05);
+}
+
 /// Of a grid that is too large for the small change: the plan is made for each, or for all.
 #[test]
 fn plans_for_several_are_no_worse_than_for_one() {

@@ -9,6 +9,8 @@ use crate::walk::{Tally, Walker, quasi_random};
 
 /// Independent scrambles of quasi-random walks, whose means make the interval.
 const SCRAMBLES: u32 = 32;
+/// Relative error of a sum over many pushes, by rounding.
+const ROUNDING: f64 = 1e-14;
 /// Points of each at the first look; enough for means to be about normal.
 const FIRST_POINTS: u32 = 64;
 
@@ -101,7 +103,7 @@ pub(super) fn report(
         return Err(Refusal::NotBelieved { walks: moments.count(), scored: tally.nonzero });
     }
     Ok(Answer {
-        half_width: found.half_width,
+        half_width: found.half_width + ROUNDING * offset.abs(),
         evidence: Evidence::Statistical,
         method,
         reached: found.reached,
