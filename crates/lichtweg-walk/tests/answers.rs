@@ -242,6 +242,13 @@ fn advice_names_a_splitting_that_helps() {
     let system = System::linear(&a, &[1.0; 20], Splitting::default()).unwrap();
     let refused = Solver::new(&system).solve(&Functional::Unknown(0), &Options::default()).unwrap_err();
     assert!(refused.to_string().contains("--splitting block:2"), "{refused}");
+    // Of another splitting, it is Jacobi's.
+    let plain = poisson(4, 0.5);
+    for splitting in [Splitting::Richardson { damping: 1.0 }, Splitting::Jacobi { damping: -1.0 }] {
+        let system = System::linear(&plain, &[1.0; 16], splitting).unwrap();
+        let refused = Solver::new(&system).solve(&Functional::Unknown(0), &Options::default()).unwrap_err();
+        assert!(refused.to_string().contains("--splitting jacobi"), "{refused}");
+    }
     let blocks = System::linear(&a, &[1.0; 20], Splitting::BlockJacobi { size: 2, damping: 1.0 }).unwrap();
     assert!(Solver::new(&blocks).solve(&Functional::Unknown(0), &Options::default()).is_ok());
 }
@@ -329,7 +336,7 @@ fn what_walks_cannot_come_to_is_zero_among_others() {
 /// What no source comes to is 0 for certain, by every method, and it is told why: near by, and at the end of a long way.
 #[test]
 fn what_no_source_comes_to_is_zero() {
-    for ring in [3, 30_000] {
+    for ring in [3, 10_000] {
         let mut triplets: Vec<_> = (0..ring).map(|i| (i, (i + 1) % ring, 0.99)).collect();
         triplets.extend([(ring, ring + 1, 0.5), (ring + 1, ring, -0.5), (ring, 0, 0.1)]);
         let mut b = vec![0.0; ring + 2];
@@ -371,7 +378,7 @@ fn forward_walks_for_many_do_not_fail_for_one() {
     let options = Options { most_steps: 200_000, ..options(Method::Forward, 0.05) };
     let answers = Solver::new(&system).solve_each(&asked, &options).unwrap();
     let exact = 0.4_f64.powi(20);
-    assert!(answers[2].method == Method::PushWalk && !answers[2].warnings.is_empty(), "{:?}", answers[2]);
+    assert!(answers[2].method != Method::Forward && !answers[2].warnings.is_empty(), "{:?}", answers[2]);
     assert!((answers[2].value / exact - 1.0).abs() < 0.05, "{:?}", answers[2]);
     assert!(answers[1].method == Method::Forward && (answers[1].value / 0.4 - 1.0).abs() < 0.05);
 }

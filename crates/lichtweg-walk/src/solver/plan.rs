@@ -64,8 +64,8 @@ impl Solver<'_> {
             Ok(answers.into_iter().map(told).collect())
         };
         if share < SMALL_CHANGE {
-            let took = time(shared.cheapest());
-            return together(&|_| format!("it takes about {took}, no longer than to plan anything else"));
+            let took = time(SMALL_CHANGE);
+            return together(&|_| format!("it takes less than {took}, no longer than to plan anything else"));
         }
         if shared.fewest_walks > shared.cheapest() {
             return together(&|answer| shared.why(answer, shared.fewest_walks));

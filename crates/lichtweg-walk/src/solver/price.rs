@@ -178,6 +178,7 @@ impl Stage {
 pub(super) fn time(nanoseconds: f64) -> String {
     match nanoseconds * 1e-9 {
         s if !s.is_finite() => "forever".to_owned(),
+        s if s < 1e-5 => "0.01 ms".to_owned(),
         s if s < 1e-3 => format!("{:.2} ms", s * 1e3),
         s if s < 1.0 => format!("{:.0} ms", s * 1e3),
         s if s < 1e4 => format!("{s:.1} s"),

@@ -93,7 +93,7 @@ impl Proof {
     /// Takes a majorant from a solver of A y = right, where A is an M-matrix split by its diagonal, and a majorant is wanted.
     #[cfg(feature = "faer")]
     pub fn offer_majorant(&self, system: &System, solve: impl Fn(&[f64]) -> Vec<f64>) {
-        let Some(linear) = system.as_linear().filter(|linear| linear.by_diagonal) else { return };
+        let Some(linear) = system.as_linear().filter(|linear| linear.by_diagonal()) else { return };
         let rows = self.rows(system);
         let wanted = rows.certificate.is_none() && rows.is_below_one() && self.by_columns(system).is_none();
         if wanted && linear.matrix == linear.matrix.comparison() {
@@ -203,7 +203,7 @@ fn checked(mut v: Vec<f64>, magnitudes: &Matrix) -> Result<Vec<f64>, Vec<f64>> {
 /// M-matrix and D 1, which stays symmetric; else I - |M| and 1.
 fn dominated(system: &System, magnitudes: &Matrix) -> (Matrix, Vec<f64>) {
     if let Some(linear) = system.as_linear()
-        && linear.by_diagonal
+        && linear.by_diagonal()
         && linear.matrix.is_symmetric()
     {
         let diagonal = linear.matrix.diagonal();

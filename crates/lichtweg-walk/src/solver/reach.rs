@@ -11,7 +11,7 @@ const QUICK: usize = 1 << 14;
 const QUICK_FOR_ALL: usize = 1 << 22;
 
 /// Why it is zero.
-const REASON: &str = "nothing of the source vector can come here: the answer is zero";
+pub(super) const NO_SOURCE: &str = "nothing of the source vector can come here: the answer is zero";
 
 impl Solver<'_> {
     /// The answer 0 where it takes few entries to see that nothing comes to a functional, one of `count`.
@@ -27,7 +27,7 @@ impl Solver<'_> {
     /// What walks do not come to is known only where they converge: x = x has other solutions than 0.
     fn zero_within(&self, target: &Entries, entries: usize) -> Option<Answer> {
         let unreached = self.meets_a_source(target, entries) == Some(false);
-        (unreached && self.proof.converges(self.system)).then(|| Answer::exact(0.0, REASON))
+        (unreached && self.proof.converges(self.system)).then(|| Answer::exact(0.0, NO_SOURCE))
     }
 
     /// Whether a state with a source can be come to from a functional along the rows; `None` where that takes more entries.

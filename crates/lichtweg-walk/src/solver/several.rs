@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::reach::NO_SOURCE;
 use super::walking::{interval, report};
 use super::{Answer, Entries, Functional, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -27,7 +28,7 @@ impl Solver<'_> {
         let seconds = began.elapsed().as_secs_f64();
         // What looks like zero, and is not known to be anything else, may be zero.
         let looked_at = |(answer, target): (Answer, &Entries)| {
-            let vague = answer.half_width > 0.0 && answer.low() <= 0.0 && 0.0 <= answer.high();
+            let vague = answer.low() <= 0.0 && 0.0 <= answer.high() && answer.why != NO_SOURCE;
             match vague.then(|| self.zero(target)).flatten() {
                 Some(zero) => Answer { why: zero.why, value: 0.0, half_width: 0.0, reached: true, ..answer },
                 None => answer,
@@ -166,7 +167,7 @@ impl Solver<'_> {
         let kept: Vec<Entries> =
             targets.iter().zip(reached).filter(|&(_, &reached)| reached).map(|(t, _)| t.clone()).collect();
         let mut found = if kept.is_empty() { Vec::new() } else { self.forward(&kept, options)? }.into_iter();
-        let zero = || Answer::exact(0.0, "nothing comes here from the source vector");
+        let zero = || Answer::exact(0.0, NO_SOURCE);
         Ok(reached.iter().filter_map(|&reached| if reached { found.next() } else { Some(zero()) }).collect())
     }
 

@@ -2,6 +2,7 @@
 
 use lichtweg_montecarlo::hash::combine;
 
+use super::reach::NO_SOURCE;
 use super::side::Side;
 use super::{Answer, Evidence, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -29,7 +30,8 @@ impl Solver<'_> {
         let walker = side.walker(&kernel, options)?;
         let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
         if pilot.nonzero == 0 && !side.reaches_a_score() {
-            return Ok(Answer::exact(offset, "the source vector cannot be reached from here"));
+            let why = if offset == 0.0 { NO_SOURCE } else { "no source is left to come to after pushing" };
+            return Ok(Answer { operations, ..Answer::exact(offset, why) });
         }
         if options.quasi {
             let answer = self.walk_quasi(method, &walker, offset, operations, options)?;

@@ -73,10 +73,17 @@ impl Summary {
 pub(crate) struct Linear {
     pub matrix: Matrix,
     pub right_side: Vec<f64>,
-    /// Whether it was split by its diagonal.
-    pub by_diagonal: bool,
+    /// How it was split.
+    pub splitting: Splitting,
     /// Whether it is symmetric with a positive diagonal, and was split by that without damping.
     pub definite: bool,
+}
+
+impl Linear {
+    /// Whether it was split by its diagonal.
+    pub fn by_diagonal(&self) -> bool {
+        matches!(self.splitting, Splitting::Jacobi { .. })
+    }
 }
 
 /// Why numbers do not make a system.
@@ -152,12 +159,11 @@ impl System {
         check_vector("right side", right_side, matrix)?;
         let (split, source) = splitting.split(matrix, right_side)?;
         let mut system = Self::fixed_point(split, source)?;
-        let by_diagonal = matches!(splitting, Splitting::Jacobi { .. });
         let definite = splitting == Splitting::default()
             && matrix.is_symmetric()
             && matrix.diagonal().iter().all(|&d| d > 0.0);
         let (matrix, right_side) = (matrix.clone(), right_side.to_vec());
-        system.linear = Some(Linear { matrix, right_side, by_diagonal, definite });
+        system.linear = Some(Linear { matrix, right_side, splitting, definite });
         Ok(system)
     }
 
