@@ -14,8 +14,6 @@
 //! 1954, Reich 1949), and takes about a third of the pushes; locally: Bai et al., *Faster local solvers for graph diffusion
 //! equations* (NeurIPS 2024).
 
-use std::collections::VecDeque;
-
 use crate::Matrix;
 
 /// A push under way.
@@ -27,7 +25,9 @@ pub struct Push<'a> {
     places: Vec<u32>,
     /// States that were met, in that order: few, and side by side.
     states: Vec<State>,
-    waiting: VecDeque<u32>,
+    /// Rows of states that were pushed, as (place, K_ij): the second time they are at hand.
+    rows: Vec<(u32, f64)>,
+    waiting: Queue,
     relaxation: f64,
     threshold: f64,
     operations: u64,
@@ -40,8 +40,13 @@ struct State {
     residual: f64,
     estimate: f64,
     state: u32,
+    /// Its row: where it begins among those at hand, and its entries; none where it is not there.
+    row: (u32, u32),
     waits: bool,
 }
+
+/// Entries of rows that are kept at hand: as many as fit into the cache.
+const AT_HAND: usize = 1 << 18;
 
 /// By how much the threshold falls from round to round.
 const FALL: f64 = 0.8;
@@ -70,7 +75,8 @@ impl<'a> Push<'a> {
             kernel,
             places: vec![0; kernel.rows()],
             states: Vec::new(),
-            waiting: VecDeque::new(),
+            rows: Vec::new(),
+            waiting: Queue::default(),
             relaxation,
             threshold: 0.0,
             operations: 0,
@@ -133,9 +139,10 @@ impl<'a> Push<'a> {
     /// One round at a lower threshold than the last, until `operations` are spent; false where nothing is left to push. A
     /// round that was cut short is taken up again first.
     pub fn round(&mut self, operations: u64) -> bool {
-        let Self { kernel, places, states, waiting, threshold, .. } = self;
+        let Self { kernel, places, states, rows, waiting, threshold, .. } = self;
         if waiting.is_empty() {
             *threshold *= FALL;
+            waiting.make_room(states.len());
             for (place, met) in (0..).zip(states.iter_mut()) {
                 met.offer(place, *threshold, waiting);
             }
@@ -143,21 +150,38 @@ impl<'a> Push<'a> {
         }
         let threshold = *threshold;
         let limit = self.operations.saturating_add(operations);
-        while let Some(place) = waiting.pop_front() {
+        while let Some(place) = waiting.pop() {
             let met = &mut states[place as usize];
             let amount = self.relaxation * met.residual;
             met.residual -= amount;
             met.estimate += amount;
             met.waits = false;
-            let row = kernel.row(met.state as usize);
-            for (j, value) in row.iter() {
-                let neighbour = place_of(j, places, states);
+            let (state, mut at_hand) = (met.state as usize, met.row);
+            let entries = kernel.row_len(state);
+            waiting.make_room(states.len() + entries);
+            let mut spread = |states: &mut [State], neighbour: u32, value: f64| {
                 let met = &mut states[neighbour as usize];
                 met.residual += amount * value;
                 met.offer(neighbour, threshold, waiting);
+            };
+            if at_hand.1 == 0 && rows.len() + entries <= AT_HAND {
+                at_hand = (rows.len() as u32, entries as u32);
+                rows.extend(kernel.row(state).iter().map(|(j, value)| (place_of(j, places, states), value)));
+                states[place as usize].row = at_hand;
+            }
+            if at_hand.1 > 0 {
+                let first = at_hand.0 as usize;
+                for &(neighbour, value) in &rows[first..first + at_hand.1 as usize] {
+                    spread(states, neighbour, value);
+                }
+            } else {
+                for (j, value) in kernel.row(state).iter() {
+                    let neighbour = place_of(j, places, states);
+                    spread(states, neighbour, value);
+                }
             }
             states[place as usize].offer(place, threshold, waiting);
-            self.operations += 4 + row.indices.len() as u64;
+            self.operations += 4 + entries as u64;
             self.pushes += 1;
             if self.operations > limit {
                 return true;
@@ -170,11 +194,55 @@ impl<'a> Push<'a> {
 impl State {
     /// Waits to be pushed if its residual is worth it.
     #[inline]
-    fn offer(&mut self, place: u32, threshold: f64, waiting: &mut VecDeque<u32>) {
-        if self.residual.abs() > threshold && !self.waits {
-            self.waits = true;
-            waiting.push_back(place);
+    fn offer(&mut self, place: u32, threshold: f64, waiting: &mut Queue) {
+        let is_new = (self.residual.abs() > threshold) & !self.waits;
+        self.waits |= is_new;
+        waiting.push_if(is_new, place);
+    }
+}
+
+/// States that wait, first in, first out, each at most once: a ring with a free slot after the last, into which is written
+/// without asking, since whether a state is worth it cannot be predicted.
+#[derive(Clone, Debug, Default)]
+struct Queue {
+    /// A power of two.
+    ring: Vec<u32>,
+    first: usize,
+    end: usize,
+}
+
+impl Queue {
+    fn is_empty(&self) -> bool {
+        self.first == self.end
+    }
+
+    /// Lets at least so many wait.
+    #[inline]
+    fn make_room(&mut self, states: usize) {
+        if self.ring.len() <= states {
+            let waiting: Vec<u32> = std::iter::from_fn(|| self.pop()).collect();
+            (self.first, self.end) = (0, waiting.len());
+            self.ring = waiting;
+            self.ring.resize((2 * states + 2).next_power_of_two(), 0);
         }
+    }
+
+    /// Needs room for one more.
+    #[inline]
+    fn push_if(&mut self, condition: bool, place: u32) {
+        let slot = self.end & (self.ring.len() - 1);
+        self.ring[slot] = place;
+        self.end = self.end.wrapping_add(usize::from(condition));
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<u32> {
+        if self.is_empty() {
+            return None;
+        }
+        let place = self.ring[self.first & (self.ring.len() - 1)];
+        self.first = self.first.wrapping_add(1);
+        Some(place)
     }
 }
 
@@ -182,7 +250,7 @@ impl State {
 #[inline]
 fn place_of(i: usize, places: &mut [u32], states: &mut Vec<State>) -> u32 {
     if places[i] == 0 {
-        states.push(State { residual: 0.0, estimate: 0.0, state: i as u32, waits: false });
+        states.push(State { residual: 0.0, estimate: 0.0, state: i as u32, row: (0, 0), waits: false });
         places[i] = states.len() as u32;
     }
     places[i] - 1

@@ -453,6 +453,18 @@ fn answers_do_not_depend_on_threads() {
         for method in methods() {
             assert_eq!(run(1, method), run(3, method), "{name} {method:?}");
         }
+        // Many at a time.
+        let run_all = |threads: usize, method: Method| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut options = options(method, 0.1);
+            options.goal.absolute = 0.1;
+            let asked: Vec<_> = (0..3).map(Functional::Unknown).collect();
+            let answers = pool.install(|| Solver::new(&system).solve_all(&asked, &options));
+            answers.map(|answers| answers.iter().map(|a| (a.value.to_bits(), a.steps)).collect::<Vec<_>>())
+        };
+        for method in [Method::Adjoint, Method::PushWalk, Method::Bidirectional, Method::Push] {
+            assert_eq!(run_all(1, method), run_all(3, method), "{name} {method:?}");
+        }
     }
 }
 

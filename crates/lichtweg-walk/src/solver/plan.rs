@@ -22,7 +22,7 @@ use crate::walk::Tally;
 const FIRST_STAGE: u64 = 1 << 13;
 /// Steps that pilots may take, about: at least, at most, and for each nanosecond at stake.
 const PILOT: (f64, f64) = (6_000.0, 200_000.0);
-const PILOT_STEPS: f64 = 2e-4;
+const PILOT_STEPS: f64 = 1e-4;
 /// Nanoseconds that are not worth a plan.
 const SMALL_CHANGE: f64 = 100_000.0;
 /// Share of the cost of walking that pushing may cost without a look at what it saves: pilots are not exact.
@@ -152,9 +152,11 @@ impl Solver<'_> {
         let mut stage = Stage::unknown(self.fewest_walks());
         let mut stage_operations = FIRST_STAGE;
         let (mut operations, mut spent, mut half_width) = (0, 0.0, self.pushed(&push).1);
-        let (mut goes_on, mut looked_for_source, mut steps) = (true, false, 0);
+        let (mut goes_on, mut looked_for_source, mut steps, mut promising) = (true, false, 0, f64::INFINITY);
         while goes_on && spent < stage.cheapest().min(rival) {
-            if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
+            if let Some(answer) =
+                self.push_to(&mut push, options, operations + stage_operations, &mut promising)
+            {
                 let why = format!(
                     "its proven bound got small enough after {} pushes; a deterministic solver would take about {}",
                     push.pushes(),
@@ -177,8 +179,9 @@ impl Solver<'_> {
             let begin = LEFT * push.met() as f64;
             // Whether walks could not even begin to count before pushing alone is done.
             let push_wins =
-                |least: f64| fall > 0.0 && 1.5 * pushing(left, push.met()) < (least + begin).min(rival);
+                |least: f64| fall > 0.0 && 1.2 * pushing(left, push.met()) < (least + begin).min(rival);
             if push_wins(stage.least) {
+                stage_operations = 3 * operations;
                 continue;
             }
             let next = self.stage(&push, target, options, stage.cheapest().min(rival))?;
@@ -192,7 +195,9 @@ impl Solver<'_> {
             let paid = stage.cheapest() - next.cheapest() > took + begin || spent < LITTLE * next.cheapest();
             // The next stage cannot save more than what is above the fewest walks.
             let can_pay = next.cheapest() - next.least > pushing(stage_operations, push.met());
-            let lost = spent > 2.0 * LITTLE * rival && spent + next.cheapest() > rival;
+            // Where walks are out of the question, and a stage as large as all before hardly changes that.
+            let hardly = next.cheapest() > 0.7 * stage.cheapest() && spent > 0.01 * rival;
+            let lost = (hardly || spent > LITTLE * rival) && spent + next.cheapest() > rival;
             goes_on = push_wins(next.least) || (paid && can_pay && !lost);
             steps += next.steps;
             stage = next;

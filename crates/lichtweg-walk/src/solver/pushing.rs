@@ -12,7 +12,8 @@ impl Solver<'_> {
         }
         let mut push = self.new_push(target);
         let asked = |answer: Answer| Answer { why: "as asked for".to_owned(), ..answer };
-        if let Some(answer) = self.push_to(&mut push, options, SOON.min(options.most_steps)) {
+        let mut promising = f64::INFINITY;
+        if let Some(answer) = self.push_to(&mut push, options, SOON.min(options.most_steps), &mut promising) {
             return Ok(asked(answer));
         }
         if push.value(self.system.source()) == 0.0
@@ -20,7 +21,7 @@ impl Solver<'_> {
         {
             return Ok(zero);
         }
-        if let Some(answer) = self.push_to(&mut push, options, options.most_steps) {
+        if let Some(answer) = self.push_to(&mut push, options, options.most_steps, &mut promising) {
             return Ok(asked(answer));
         }
         let (value, half_width) = self.pushed(&push);
@@ -32,13 +33,18 @@ impl Solver<'_> {
     }
 
     /// Pushes until the proven bound reaches the goal (an answer), or the operations reach a limit, or nothing is left to
-    /// push.
-    pub(super) fn push_to(&self, push: &mut Push<'_>, options: &Options, limit: u64) -> Option<Answer> {
-        // The size of the residual at which to look again: the bound takes longer to find than the size.
-        let mut promising = f64::INFINITY;
+    /// push. The bound takes longer to find than the size of the residual: it is looked at where that is `promising`, infinite at
+    /// first.
+    pub(super) fn push_to(
+        &self,
+        push: &mut Push<'_>,
+        options: &Options,
+        limit: u64,
+        promising: &mut f64,
+    ) -> Option<Answer> {
         loop {
             let size = push.residuals().map(|(_, q)| q.abs()).sum::<f64>();
-            if size <= promising {
+            if size <= *promising {
                 let (value, half_width) = self.pushed(push);
                 let goal = options.goal.half_width(value);
                 if half_width <= goal {
@@ -48,7 +54,7 @@ impl Solver<'_> {
                         ..Answer::exact(value, "")
                     });
                 }
-                promising = size * (1.2 * goal / half_width).clamp(0.5, 1.0);
+                *promising = size * (1.2 * goal / half_width).clamp(0.5, 1.0);
             }
             let left = limit.saturating_sub(push.operations());
             if left == 0 || !push.round(left) {

@@ -33,6 +33,10 @@ impl Solver<'_> {
     /// Whether a state with a source can be come to from a functional along the rows; `None` where that takes more entries.
     fn meets_a_source(&self, target: &Entries, entries: usize) -> Option<bool> {
         let (matrix, source) = (self.system.matrix(), self.system.source());
+        // Mostly so; then nothing else is needed.
+        if target.iter().any(|&(i, _)| source[i] != 0.0) {
+            return Some(true);
+        }
         let mut met = vec![false; source.len()];
         let mut waiting: Vec<usize> = target.iter().map(|&(i, _)| i).collect();
         waiting.iter().for_each(|&i| met[i] = true);
