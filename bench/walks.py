@@ -118,7 +118,7 @@ def timed(solve, repeats=3):
         start = time.perf_counter()
         result = solve()
         least = min(least, time.perf_counter() - start)
-        if least > 20:
+        if least > 5:
             break
     return result, least
 
@@ -150,27 +150,36 @@ def linear(name, title, matrix, vector, unknown, names, scipy_direct=True, most_
     """A x = b by all programs, one unknown to 1 % at 95 %."""
     paths = written(name, matrix, vector)
     table = Table(f"{title}: {matrix.shape[0]:,} unknowns, {matrix.nnz:,} entries")
-    cg = by_scipy(table, matrix, vector, unknown, scipy_direct) if "scipy" in PROGRAMS else None
+    cg, whole = by_scipy(table, matrix, vector, unknown, scipy_direct) if "scipy" in PROGRAMS else (None, None)
     if "lichtweg" not in PROGRAMS:
         return
     found = methods(table, names, [paths[0], "-b", paths[1], "-u", unknown + 1, "--max-steps", most_steps])
     auto = found["auto"][1]
+    if auto and whole:
+        print(f"\nSciPy's `cg` took {whole / auto:,.1f} times as long as `lichtweg solve` for all unknowns to 1 %.")
     if auto and cg:
-        print(f"\nSciPy's `cg` took {cg / auto:,.1f} times as long as `lichtweg solve`.")
+        print(f"\nStopped as soon as this unknown is right, which it cannot know, it took {cg / auto:,.1f} times as long.")
 
 
 def by_scipy(table, matrix, vector, unknown, direct):
-    """Rows of SciPy's; the seconds of `cg`."""
+    """Rows of SciPy's; the seconds of `cg` until this unknown is right to 1 %, and until all are."""
     import numpy as np
     import scipy.sparse.linalg as sl
 
-    # In favour of the solver, it is stopped by someone who knows when this unknown stays right to 1 %.
-    values = []
-    sl.cg(matrix, vector, rtol=1e-6, callback=lambda x: values.append(x[unknown]))
+    # In favour of the solver, it is stopped by someone who knows when the error stays below 1 %.
+    values, limits = [], dict(rtol=1e-6, maxiter=3000)
+    exact, _ = sl.cg(matrix, vector, callback=lambda x: values.append(x[unknown]), **limits)
     wrong = np.flatnonzero(np.abs(np.array(values) / values[-1] - 1) >= 0.01)
     needed = int(wrong[-1]) + 2 if len(wrong) else 1
+    whole = None
+    if len(values) < 100:
+        errors = []
+        sl.cg(matrix, vector, callback=lambda x: errors.append(np.max(np.abs(x / exact - 1))), **limits)
+        all_needed = int(np.flatnonzero(np.array(errors) >= 0.01)[-1]) + 2
+        (x, _), whole = timed(lambda: sl.cg(matrix, vector, rtol=0.0, maxiter=all_needed))
+        table.row("SciPy `cg`", x[unknown], f"{all_needed} iterations: all unknowns to 1 %", whole)
     (x, _), cg = timed(lambda: sl.cg(matrix, vector, rtol=0.0, maxiter=needed))
-    table.row("SciPy `cg`", x[unknown], f"{needed} iterations", cg)
+    table.row("SciPy `cg`", x[unknown], f"{needed} iterations: this one to 1 %", cg)
     rtol = np.linalg.norm(vector - matrix @ x) / np.linalg.norm(vector)
     limit = dict(restart=50, maxiter=2)
     (x, failed), seconds = timed(lambda: sl.gmres(matrix, vector, rtol=rtol, **limit), 1)
@@ -179,7 +188,7 @@ def by_scipy(table, matrix, vector, unknown, direct):
     if direct:
         x, seconds = timed(lambda: sl.spsolve(matrix.tocsc(), vector), 1)
         table.row("SciPy `spsolve`", x[unknown], "exact", seconds)
-    return cg
+    return cg, whole
 
 
 def poisson(name, largest, dimensions, shift, scale):

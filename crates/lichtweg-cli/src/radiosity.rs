@@ -6,6 +6,7 @@ mod quadric;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
@@ -60,7 +61,7 @@ pub struct RadiosityArgs {
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     rays: u32,
 
-    /// How: deterministic, sequential, or any other method of `lichtweg solve`, patch by patch
+    /// How: deterministic, sequential, or any other method of `lichtweg solve`, for each patch in sight
     #[arg(long, value_name = "METHOD", default_value = "deterministic", value_parser = crate::solve::method)]
     method: Method,
 
@@ -121,24 +122,40 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
         console.say(&format!("wrote {name}-M.mtx and {name}-b.mtx: lichtweg solve {name}-M.mtx -b {name}-b.mtx --problem fixed-point -u 1"));
     }
     if let Some(path) = &args.output {
+        let view = View { patches: &patches, camera: &camera, description: &description, args };
+        let wanted = wanted(&view, console);
         let began = Instant::now();
         let radiosity: Vec<Vec<f64>> = console.stage("solving", || {
-            systems.iter().map(|system| solve(system, args)).collect::<Result<_, _>>()
+            systems.iter().map(|system| solve(system, wanted.as_deref(), args)).collect::<Result<_, _>>()
         })?;
         console.say(&format!(
             "solved by {} in {}",
             args.method.name(),
             seconds(began.elapsed().as_secs_f64())
         ));
-        let image = view(&patches, &radiosity, &camera, &description, args);
-        write(path, image)?;
+        write(path, view.image(&radiosity))?;
         console.say(&format!("wrote {}", path.display()));
     }
     Ok(())
 }
 
-/// All unknowns of one channel, at once or one by one.
-fn solve(system: &System, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
+/// The patches to ask for, where each has to be paid for: those that the camera sees. `None` stands for all.
+fn wanted(view: &View<'_>, console: Console) -> Option<Vec<usize>> {
+    if matches!(view.args.method, Method::Auto | Method::Deterministic | Method::Direct | Method::Sequential)
+    {
+        return None;
+    }
+    let seen = view.seen();
+    console.say(&format!(
+        "note: the {} patches in sight are found one by one; for so many a deterministic solver is the right tool, or --method \
+         sequential, which walks for all of them at once",
+        count(seen.len() as u64)
+    ));
+    Some(seen)
+}
+
+/// Unknowns of one channel: all, or those that are wanted, among zeros.
+fn solve(system: &System, wanted: Option<&[usize]>, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
     let options = Options {
         method: args.method,
         // Dark patches are not worth a relative tolerance.
@@ -150,44 +167,73 @@ fn solve(system: &System, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
         seed: args.seed,
         ..Options::default()
     };
-    let all: Vec<Functional> = (0..system.unknowns()).map(Functional::Unknown).collect();
-    let answers =
-        Solver::new(system).solve_each(&all, &options).map_err(|error| Failure::Failed(error.to_string()))?;
+    let asked: Vec<usize> = wanted.map_or_else(|| (0..system.unknowns()).collect(), <[usize]>::to_vec);
+    let functionals: Vec<Functional> = asked.iter().copied().map(Functional::Unknown).collect();
+    let answers = Solver::new(system)
+        .solve_each(&functionals, &options)
+        .map_err(|error| Failure::Failed(error.to_string()))?;
     let found = answers.iter().find_map(|answer| answer.x.clone());
-    Ok(found.unwrap_or_else(|| answers.iter().map(|answer| answer.value).collect()))
+    Ok(found.unwrap_or_else(|| {
+        let mut radiosity = vec![0.0; system.unknowns()];
+        asked.iter().zip(&answers).for_each(|(&patch, answer)| radiosity[patch] = answer.value);
+        radiosity
+    }))
 }
 
 fn largest(system: &System) -> f64 {
     system.source().iter().copied().fold(0.0, f64::max)
 }
 
-/// Radiance seen by the camera, three numbers a pixel.
-fn view(
-    patches: &Patches,
-    radiosity: &[Vec<f64>],
-    camera: &Camera,
-    description: &Description,
-    args: &RadiosityArgs,
-) -> OutputImage {
-    let (width, height) = (description.film.width, description.film.height);
-    let pixel = |index: u32| {
-        let mut sum = [0.0_f64; 3];
-        for sample in 0..args.spp {
-            let mut sampler = Sampler::new(SamplerKind::Sobol, args.seed, u64::from(index), sample);
+/// What the camera sees.
+struct View<'a> {
+    patches: &'a Patches,
+    camera: &'a Camera,
+    description: &'a Description,
+    args: &'a RadiosityArgs,
+}
+
+impl View<'_> {
+    /// Patches along the rays of a pixel.
+    fn met(&self, index: u32) -> impl Iterator<Item = usize> + '_ {
+        let (width, height) = (self.description.film.width, self.description.film.height);
+        (0..self.args.spp).filter_map(move |sample| {
+            let mut sampler = Sampler::new(SamplerKind::Sobol, self.args.seed, u64::from(index), sample);
             let [x, y] = sampler.next_2d();
             let film =
                 [((index % width) as f32 + x) / width as f32, ((index / width) as f32 + y) / height as f32];
-            if let Some(patch) = patches.seen(&camera.ray(film, sampler.next_2d(), 0.0)) {
-                sum.iter_mut().zip(radiosity).for_each(|(sum, b)| *sum += b[patch as usize]);
+            self.patches.seen(&self.camera.ray(film, sampler.next_2d(), 0.0)).map(|patch| patch as usize)
+        })
+    }
+
+    fn pixels(&self) -> u32 {
+        self.description.film.width * self.description.film.height
+    }
+
+    /// All patches in sight.
+    fn seen(&self) -> Vec<usize> {
+        let seen: Vec<AtomicBool> = (0..self.patches.len()).map(|_| AtomicBool::new(false)).collect();
+        (0..self.pixels()).into_par_iter().for_each(|pixel| {
+            self.met(pixel).for_each(|patch| seen[patch].store(true, Ordering::Relaxed));
+        });
+        (0..seen.len()).filter(|&patch| seen[patch].load(Ordering::Relaxed)).collect()
+    }
+
+    /// Radiance, three numbers a pixel.
+    fn image(&self, radiosity: &[Vec<f64>]) -> OutputImage {
+        let film = &self.description.film;
+        let scale = f64::from(film.scale) / (std::f64::consts::PI * f64::from(self.args.spp));
+        let pixel = |index: u32| {
+            let mut sum = [0.0_f64; 3];
+            for patch in self.met(index) {
+                sum.iter_mut().zip(radiosity).for_each(|(sum, b)| *sum += b[patch]);
             }
-        }
-        let scale = f64::from(description.film.scale) / (std::f64::consts::PI * f64::from(args.spp));
-        sum.map(|sum| (sum * scale) as f32)
-    };
-    let data: Vec<[f32; 3]> = (0..width * height).into_par_iter().map(pixel).collect();
-    let channels = ["R", "G", "B"].map(str::to_owned).to_vec();
-    let layer = Layer { name: String::new(), channels, data: data.into_iter().flatten().collect() };
-    OutputImage { layers: vec![layer], ..OutputImage::new(width, height) }
+            sum.map(|sum| (sum * scale) as f32)
+        };
+        let data: Vec<[f32; 3]> = (0..self.pixels()).into_par_iter().map(pixel).collect();
+        let channels = ["R", "G", "B"].map(str::to_owned).to_vec();
+        let layer = Layer { name: String::new(), channels, data: data.into_iter().flatten().collect() };
+        OutputImage { layers: vec![layer], ..OutputImage::new(film.width, film.height) }
+    }
 }
 
 fn write(path: &Path, image: OutputImage) -> Result<(), Failure> {

@@ -86,9 +86,9 @@ pub struct SolveArgs {
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
     method: Method,
 
-    /// How A is split: jacobi, block:SIZE or richardson
-    #[arg(long, value_name = "SPLITTING", default_value = "jacobi", value_parser = input::splitting)]
-    splitting: input::SplittingKind,
+    /// How A is split: jacobi, block:SIZE or richardson [default: jacobi]
+    #[arg(long, value_name = "SPLITTING", value_parser = input::splitting)]
+    splitting: Option<input::SplittingKind>,
 
     /// Damping of the splitting [default: 1], or of PageRank [default: 0.85]
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
@@ -164,7 +164,9 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
     let input = console.stage(&format!("reading {}", args.system.display()), || input::read(args))?;
     let load_seconds = began.elapsed().as_secs_f64();
     if let Some(path) = &args.animate {
-        return animate::write(&input, path, args.seed);
+        animate::write(&input, path, args.seed)?;
+        console.say(&format!("wrote {}", path.display()));
+        return Ok(());
     }
     let functionals = input.functionals(args)?;
     let mut options = options(args)?;
@@ -184,7 +186,7 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
     let solver = Solver::new(&input.system);
     let answers = console
         .stage("walking", || solver.solve_all(&functionals, &options))
-        .map_err(|refusal| refused(&refusal))?;
+        .map_err(|refusal| refused(&refusal, &input))?;
     if let Some(path) = &args.write {
         let Some(x) = answers.iter().find_map(|answer| answer.x.as_ref()) else {
             return Err(Failure::Failed(
@@ -202,8 +204,14 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn refused(refusal: &Refusal) -> Failure {
-    Failure::Failed(refusal.to_string())
+fn refused(refusal: &Refusal, input: &input::SystemInput) -> Failure {
+    let endless = matches!(refusal, Refusal::Diverges { .. }) && input.problem == Problem::Chain;
+    let help = if endless {
+        "\nOf a chain that is so where particles never end: a state has to be absorbing, or its row to sum to less than one."
+    } else {
+        ""
+    };
+    Failure::Failed(format!("{refusal}{help}"))
 }
 
 fn options(args: &SolveArgs) -> Result<Options, Failure> {
@@ -224,7 +232,7 @@ fn options(args: &SolveArgs) -> Result<Options, Failure> {
                 )));
             }
         },
-        Some(("guide", file)) => Choice::Guide(input::vector(file.as_ref())?),
+        Some(("guide", file)) if !file.is_empty() => Choice::Guide(input::vector(file.as_ref())?),
         Some(_) => return Err(Failure::Usage("a guide is given as guide:FILE".to_owned())),
     };
     Ok(Options {

@@ -242,6 +242,13 @@ fn advice_names_a_splitting_that_helps() {
     let system = System::linear(&a, &[1.0; 20], Splitting::default()).unwrap();
     let refused = Solver::new(&system).solve(&Functional::Unknown(0), &Options::default()).unwrap_err();
     assert!(refused.to_string().contains("--splitting block:2"), "{refused}");
+    // Of another splitting, it is Jacobi's.
+    let plain = poisson(4, 0.5);
+    for splitting in [Splitting::Richardson { damping: 1.0 }, Splitting::Jacobi { damping: -1.0 }] {
+        let system = System::linear(&plain, &[1.0; 16], splitting).unwrap();
+        let refused = Solver::new(&system).solve(&Functional::Unknown(0), &Options::default()).unwrap_err();
+        assert!(refused.to_string().contains("--splitting jacobi"), "{refused}");
+    }
     let blocks = System::linear(&a, &[1.0; 20], Splitting::BlockJacobi { size: 2, damping: 1.0 }).unwrap();
     assert!(Solver::new(&blocks).solve(&Functional::Unknown(0), &Options::default()).is_ok());
 }
@@ -326,6 +333,56 @@ fn what_walks_cannot_come_to_is_zero_among_others() {
     }
 }
 
+/// What no source comes to is 0 for certain, by every method, and it is told why: near by, and at the end of a long way.
+#[test]
+fn what_no_source_comes_to_is_zero() {
+    for ring in [3, 10_000] {
+        let mut triplets: Vec<_> = (0..ring).map(|i| (i, (i + 1) % ring, 0.99)).collect();
+        triplets.extend([(ring, ring + 1, 0.5), (ring + 1, ring, -0.5), (ring, 0, 0.1)]);
+        let mut b = vec![0.0; ring + 2];
+        (b[ring], b[ring + 1]) = (1.0, 2.0);
+        let system = System::fixed_point(matrix(ring + 2, &triplets), b).unwrap();
+        for method in methods() {
+            let solver = Solver::new(&system);
+            let asked = [0, ring, ring - 1].map(Functional::Unknown);
+            for asked in [&asked[..1], &asked[..]] {
+                let answers = solver.solve_each(asked, &options(method, 0.01)).unwrap();
+                let zero = &answers[0];
+                assert!(zero.value == 0.0 && zero.half_width == 0.0 && zero.reached, "{method:?} {zero:?}");
+                assert!(
+                    zero.evidence == Evidence::Proven && zero.why.contains("zero"),
+                    "{method:?} {zero:?}"
+                );
+                // (1 + 0.5 * 2) / (1 + 0.25)
+                let other = answers.get(1).map_or(1.6, |answer| answer.value);
+                assert!((other - 1.6).abs() < 0.05, "{method:?} {other}");
+            }
+        }
+    }
+    // Where nothing ends, x = x has any solution.
+    let closed = System::fixed_point(matrix(2, &[(0, 0, 1.0)]), vec![0.0, 1.0]).unwrap();
+    let refused = Solver::new(&closed).solve(&Functional::Unknown(0), &Options::default());
+    assert!(matches!(refused, Err(Refusal::Diverges { .. })), "{refused:?}");
+}
+
+/// Of many unknowns that forward walks are asked for, those that they hardly ever come to are found from their own end.
+#[test]
+fn forward_walks_for_many_do_not_fail_for_one() {
+    // A way that one walk in a million takes to its end.
+    let mut triplets: Vec<_> = (0..20).map(|i| (i + 1, i, 0.4)).collect();
+    triplets.extend((0..20).map(|i| (21, i, 0.4)));
+    let mut b = vec![0.0; 22];
+    b[0] = 1.0;
+    let system = System::fixed_point(matrix(22, &triplets), b).unwrap();
+    let asked = [0, 1, 20].map(Functional::Unknown);
+    let options = Options { most_steps: 200_000, ..options(Method::Forward, 0.05) };
+    let answers = Solver::new(&system).solve_each(&asked, &options).unwrap();
+    let exact = 0.4_f64.powi(20);
+    assert!(answers[2].method != Method::Forward && !answers[2].warnings.is_empty(), "{:?}", answers[2]);
+    assert!((answers[2].value / exact - 1.0).abs() < 0.05, "{:?}", answers[2]);
+    assert!(answers[1].method == Method::Forward && (answers[1].value / 0.4 - 1.0).abs() < 0.05);
+}
+
 /// Of a grid that is too large for the small change: the plan is made for each, or for all.
 #[test]
 fn plans_for_several_are_no_worse_than_for_one() {
@@ -395,6 +452,18 @@ fn answers_do_not_depend_on_threads() {
         };
         for method in methods() {
             assert_eq!(run(1, method), run(3, method), "{name} {method:?}");
+        }
+        // Many at a time.
+        let run_all = |threads: usize, method: Method| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut options = options(method, 0.1);
+            options.goal.absolute = 0.1;
+            let asked: Vec<_> = (0..3).map(Functional::Unknown).collect();
+            let answers = pool.install(|| Solver::new(&system).solve_all(&asked, &options));
+            answers.map(|answers| answers.iter().map(|a| (a.value.to_bits(), a.steps)).collect::<Vec<_>>())
+        };
+        for method in [Method::Adjoint, Method::PushWalk, Method::Bidirectional, Method::Push] {
+            assert_eq!(run_all(1, method), run_all(3, method), "{name} {method:?}");
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use lichtweg_walk::read::{Graph, Input, ReadError, read_input, read_vector};
+use lichtweg_walk::system::SystemError;
 use lichtweg_walk::{Functional, Matrix, Splitting, System};
 
 use super::SolveArgs;
@@ -51,7 +52,8 @@ pub fn splitting(text: &str) -> Result<SplittingKind, String> {
 pub struct SystemInput {
     /// x = M x + b.
     pub system: System,
-    problem: Problem,
+    /// What it stands for.
+    pub problem: Problem,
     /// Unknowns that are the user's, which come first.
     pub shown: usize,
     labels: Option<Vec<u64>>,
@@ -64,6 +66,7 @@ pub fn read(args: &SolveArgs) -> Result<SystemInput, Failure> {
         Input::Graph(Graph { adjacency, labels }) => (adjacency, Some(labels)),
     };
     let problem = args.problem.unwrap_or(if labels.is_some() { Problem::Pagerank } else { Problem::Linear });
+    check_that_all_is_used(args, problem)?;
     let shown = matrix.rows();
     let labels = labels.filter(|labels| labels.iter().zip(1..).any(|(&label, i)| label != i));
     let start = |what: &str| match &args.start {
@@ -88,13 +91,48 @@ pub fn read(args: &SolveArgs) -> Result<SystemInput, Failure> {
             System::personalised_pagerank(&matrix, &start("node")?, args.damping.unwrap_or(0.85))
         }
     };
-    let system = system.map_err(|error| Failure::Failed(error.to_string()))?;
+    let system = system.map_err(|error| wrong(&error))?;
     Ok(SystemInput { system, problem, shown, labels })
+}
+
+/// What has no meaning for a problem is refused, not ignored.
+fn check_that_all_is_used(args: &SolveArgs, problem: Problem) -> Result<(), Failure> {
+    let linear = problem == Problem::Linear;
+    let chain = problem == Problem::Chain;
+    let has_start = chain || problem == Problem::Pagerank;
+    let unused = [
+        ("--rhs", args.rhs.is_some() && has_start, "a chain and a graph have --start instead"),
+        ("--start", args.start.is_some() && !has_start, "a system has --rhs instead"),
+        ("--absorption", args.absorption.is_some() && !chain, "it belongs to --problem chain"),
+        ("--splitting", args.splitting.is_some() && !linear, "it belongs to A x = b"),
+        ("--damping", args.damping.is_some() && (chain || problem == Problem::FixedPoint), "it has none"),
+    ];
+    match unused.into_iter().find(|&(_, unused, _)| unused) {
+        Some((option, _, why)) => {
+            Err(Failure::Usage(format!("{option} has no meaning for this problem: {why}")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// What is wrong with a system, counted as the user does.
+fn wrong(error: &SystemError) -> Failure {
+    let told = error.to_string();
+    let place = match error {
+        SystemError::Singular { row, .. } => Some(("row", row)),
+        SystemError::NotFinite { index, .. } => Some(("element", index)),
+        SystemError::Probability { state, .. } => Some(("state", state)),
+        _ => None,
+    };
+    Failure::Failed(match place {
+        Some((what, at)) => told.replace(&format!("{what} {at} (from 0)"), &format!("{what} {}", at + 1)),
+        None => told,
+    })
 }
 
 fn chosen_splitting(args: &SolveArgs) -> Splitting {
     let damping = args.damping.unwrap_or(1.0);
-    match args.splitting {
+    match args.splitting.unwrap_or(SplittingKind::Jacobi) {
         SplittingKind::Jacobi => Splitting::Jacobi { damping },
         SplittingKind::Block(size) => Splitting::BlockJacobi { size, damping },
         SplittingKind::Richardson => Splitting::Richardson { damping },

@@ -114,6 +114,11 @@ fn what_cannot_be_solved_is_told() {
         "%%MatrixMarket matrix coordinate real general\n2 2 4\n1 1 1\n1 2 2\n2 1 3\n2 2 1\n",
     )
     .unwrap();
+    std::fs::write(
+        place.path("closed.mtx"),
+        "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 2 1\n2 1 1\n",
+    )
+    .unwrap();
     for (code, arguments, expected) in [
         (2, &["A.mtx", "-u", "1"][..], "the right side is missing"),
         (2, &["A.mtx", "-b", "b.txt"], "which unknown?"),
@@ -123,6 +128,13 @@ fn what_cannot_be_solved_is_told() {
         (1, &["none.mtx", "-b", "ones", "-u", "1"], "none.mtx"),
         (1, &["large.mtx", "-b", "ones", "-u", "1"], "rho(|M|)"),
         (2, &["A.mtx", "-b", "b.txt", "--all", "--method", "adjoint"], "one number at a time"),
+        (2, &["A.mtx", "-b", "b.txt", "-u", "1", "--start", "1"], "--start has no meaning"),
+        (2, &["graph.txt", "-b", "b.txt", "-u", "10"], "--rhs has no meaning"),
+        (2, &["graph.txt", "--splitting", "jacobi", "-u", "10"], "--splitting has no meaning"),
+        (1, &["A.mtx", "-b", "b.txt", "-u", "1", "--splitting", "richardson"], "--splitting jacobi"),
+        (1, &["closed.mtx", "--problem", "chain", "-u", "1"], "particles never end"),
+        (1, &["closed.mtx", "-b", "ones", "-u", "1"], "at row 1 cannot be divided by"),
+        (1, &["large.mtx", "--problem", "chain", "-u", "1"], "state 1: the probabilities"),
     ] {
         let told = place.fail(code, &[&["solve"], arguments].concat());
         assert!(told.contains(expected), "{arguments:?}: {told}");
@@ -132,7 +144,8 @@ fn what_cannot_be_solved_is_told() {
 #[test]
 fn particles_are_shown_on_a_page() {
     let place = place();
-    place.succeed(&["solve", "A.mtx", "-b", "b.txt", "--animate", "page.html"]);
+    let told = place.succeed(&["solve", "A.mtx", "-b", "b.txt", "--animate", "page.html"]);
+    assert!(told.contains("wrote page.html"), "{told}");
     let page = std::fs::read_to_string(place.path("page.html")).unwrap();
     assert!(page.contains("\"equilibrium\":[") && !page.contains("\"DATA\""));
 }
@@ -223,6 +236,35 @@ fn radiosity_has_two_sides() {
     });
     assert!(images[0] > 1.0 && (images[1] / images[0] - 1.0).abs() < 0.05, "{images:?}");
     assert_eq!(images[2], 0.0);
+}
+
+/// Half of the patches are out of sight of all light: the outsides of walls that reflect on both sides, and what looks on from
+/// there. They are black, whatever the method, and none of them stops the others.
+#[test]
+fn radiosity_is_zero_where_no_light_comes() {
+    let scene = r#"<scene version="3.0.0">
+        <sensor type="perspective">
+            <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film>
+        </sensor>
+        <shape type="cube">
+            <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></bsdf>
+        </shape>
+        <shape type="sphere">
+            <float name="radius" value="0.3"/><emitter type="area"><rgb name="radiance" value="5"/></emitter>
+        </shape>
+    </scene>"#;
+    let place = Workplace::with(scene);
+    for method in
+        ["auto", "adjoint", "forward", "push", "bidirectional", "push-walk", "sequential", "deterministic"]
+    {
+        let arguments = ["radiosity", "scene.xml", "-o", "out.exr", "--patch", "0.2", "--rays", "64"];
+        let told = place.succeed(&[&arguments[..], &["--method", method]].concat());
+        let one_by_one = ["adjoint", "forward", "push", "bidirectional", "push-walk"].contains(&method);
+        assert_eq!(told.contains("the right tool"), one_by_one, "{method}: {told}");
+        let image = read_exr_layers(&place.path("out.exr")).unwrap();
+        assert!(image.channels.iter().all(|(_, data)| data.iter().all(|&l| l == 0.0)), "{method}");
+    }
 }
 
 #[test]

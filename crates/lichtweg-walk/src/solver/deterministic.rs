@@ -34,7 +34,9 @@ impl Solver<'_> {
             let answers = self.read_off(Method::Deterministic, targets, goal, &found);
             let good = answers.iter().all(|answer| answer.reached);
             if !good && found.residual <= tolerance && tolerance > SMALL {
-                tolerance *= 0.01;
+                // As much smaller as the bound is too large, and then some.
+                let excess = answers.iter().map(|answer| goal.half_width(answer.value) / answer.half_width);
+                tolerance *= (0.5 * excess.fold(1.0, f64::min)).clamp(0.01, 0.3);
                 guess = Some(found.x);
                 continue;
             }

@@ -24,6 +24,7 @@ mod plan;
 mod price;
 mod proof;
 mod pushing;
+mod reach;
 mod refusal;
 mod several;
 mod side;

@@ -9,7 +9,8 @@
 
 use std::time::Instant;
 
-use super::price::{CREATION, LEFT, NEAR_STEP, PUSHED, Shared, Stage, WalkCost, time};
+use super::price::{CREATION, LEFT, Shared, Stage, WalkCost, pushing, time};
+use super::pushing::SOON;
 use super::several::{can_share, timed};
 use super::walking::interval;
 use super::{Answer, Cost, Entries, Method, Options, PILOT_SEED, Refusal, Solver};
@@ -18,10 +19,16 @@ use crate::stopping::{FEWEST, Interval, walks_needed};
 use crate::walk::Tally;
 
 /// Operations of the first stage of pushing.
-const FIRST_STAGE: u64 = 1 << 15;
-/// Steps that pilots may take, about: before the first stage, and later.
-const FIRST_PILOT: f64 = 3_000.0;
-const PILOT: f64 = 30_000.0;
+const FIRST_STAGE: u64 = 1 << 13;
+/// Steps that pilots may take, about: at least, at most, and for each nanosecond at stake.
+const PILOT: (f64, f64) = (6_000.0, 200_000.0);
+const PILOT_STEPS: f64 = 1e-4;
+/// Nanoseconds that are not worth a plan.
+const SMALL_CHANGE: f64 = 100_000.0;
+/// Share of the cost of walking that pushing may cost without a look at what it saves: pilots are not exact.
+const LITTLE: f64 = 0.05;
+/// Length of walks that are not short.
+const NOT_SHORT: f64 = 16.0;
 /// Walks whose length is measured.
 const LENGTH_WALKS: u64 = 8;
 /// Walks of a pilot.
@@ -56,9 +63,9 @@ impl Solver<'_> {
             };
             Ok(answers.into_iter().map(told).collect())
         };
-        if share < FIRST_PILOT * NEAR_STEP {
-            let took = time(shared.cheapest());
-            return together(&|_| format!("it takes about {took}, no longer than to plan anything else"));
+        if share < SMALL_CHANGE {
+            let took = time(SMALL_CHANGE);
+            return together(&|_| format!("it takes less than {took}, no longer than to plan anything else"));
         }
         if shared.fewest_walks > shared.cheapest() {
             return together(&|answer| shared.why(answer, shared.fewest_walks));
@@ -139,15 +146,17 @@ impl Solver<'_> {
         shared: &Shared,
         options: &Options,
     ) -> Result<Planned, Refusal> {
-        let mut push = Push::new(self.system.matrix(), target.iter().copied());
+        let mut push = self.new_push(target);
         let mut costs = vec![Cost { method: Method::Deterministic, seconds: shared.deterministic * 1e-9 }];
-        let mut stage = self.stage(&push, target, options, FIRST_PILOT)?;
-        note(&mut costs, &stage, false);
+        // What walks would cost is asked for when pushing alone does not promise to cost less than the fewest of them.
+        let mut stage = Stage::unknown(self.fewest_walks());
         let mut stage_operations = FIRST_STAGE;
-        let (mut operations, mut half_width) = (0, self.pushed(&push).1);
-        let (mut goes_on, mut steps) = (true, stage.steps);
-        while goes_on && PUSHED * (operations as f64) < stage.cheapest().min(rival) {
-            if let Some(answer) = self.push_to(&mut push, options, operations + stage_operations) {
+        let (mut operations, mut spent, mut half_width) = (0, 0.0, self.pushed(&push).1);
+        let (mut goes_on, mut looked_for_source, mut steps, mut promising) = (true, false, 0, f64::INFINITY);
+        while goes_on && spent < stage.cheapest().min(rival) {
+            if let Some(answer) =
+                self.push_to(&mut push, options, operations + stage_operations, &mut promising)
+            {
                 let why = format!(
                     "its proven bound got small enough after {} pushes; a deterministic solver would take about {}",
                     push.pushes(),
@@ -162,21 +171,41 @@ impl Solver<'_> {
             }
             // If the bound went on to fall as in this stage.
             let goal = options.goal.half_width(value);
-            let left = used as f64 * (next_half_width / goal).ln() / (half_width / next_half_width).ln();
-            (operations, half_width) = (push.operations(), next_half_width);
+            let fall = (half_width / next_half_width).ln().max(0.0);
+            let left = (used as f64 * (next_half_width / goal).ln() / fall) as u64;
+            let took = pushing(used, push.met());
+            (operations, spent, half_width) = (push.operations(), spent + took, next_half_width);
             stage_operations = operations;
-            if 1.5 * PUSHED * left < (stage.least + LEFT * push.met() as f64).min(rival) {
-                // Walks could not even begin to count before that.
+            let begin = LEFT * push.met() as f64;
+            // Whether walks could not even begin to count before pushing alone is done.
+            let push_wins =
+                |least: f64| fall > 0.0 && 1.2 * pushing(left, push.met()) < (least + begin).min(rival);
+            if push_wins(stage.least) {
+                stage_operations = 3 * operations;
                 continue;
             }
-            let next = self.stage(&push, target, options, PILOT)?;
+            let next = self.stage(&push, target, options, stage.cheapest().min(rival))?;
+            if next.cheapest().is_infinite() && operations > SOON && !looked_for_source {
+                looked_for_source = true;
+                if let Some(zero) = self.zero(target) {
+                    return Ok(Planned::Done(zero));
+                }
+            }
             note(&mut costs, &next, true);
-            let paid = stage.cheapest() - next.cheapest() > PUSHED * used as f64 + LEFT * push.met() as f64;
+            let paid = stage.cheapest() - next.cheapest() > took + begin || spent < LITTLE * next.cheapest();
             // The next stage cannot save more than what is above the fewest walks.
-            let can_pay = next.cheapest() - next.least > PUSHED * stage_operations as f64;
-            goes_on = paid && can_pay;
+            let can_pay = next.cheapest() - next.least > pushing(stage_operations, push.met());
+            // Where walks are out of the question, and a stage as large as all before hardly changes that.
+            let hardly = next.cheapest() > 0.7 * stage.cheapest() && spent > 0.01 * rival;
+            let lost = (hardly || spent > LITTLE * rival) && spent + next.cheapest() > rival;
+            goes_on = push_wins(next.least) || (paid && can_pay && !lost);
             steps += next.steps;
             stage = next;
+        }
+        if stage.cheapest().is_infinite() {
+            stage = self.stage(&push, target, options, rival)?;
+            note(&mut costs, &stage, push.pushes() > 0);
+            steps += stage.steps;
         }
         if stage.cheapest() > rival {
             return Ok(Planned::Left { cheapest: stage.cheapest(), costs, steps });
@@ -194,19 +223,19 @@ impl Solver<'_> {
     ) -> Result<Answer, Refusal> {
         self.check_convergence()?;
         let forward = method == Method::Bidirectional;
-        let mut push = Push::new(self.system.matrix(), target.iter().copied());
+        let mut push = self.new_push(target);
         let mut stage_operations = FIRST_STAGE;
         let (mut cost, mut spent) = (f64::INFINITY, 0.0);
-        // As long as a stage saves more walking than it costs.
+        // As long as a stage saves more walking than it costs, and there is more to save.
         loop {
-            let next = self.walk_cost(forward, &push, target, options, PILOT)?.all;
-            let stage = PUSHED * push.operations() as f64 - spent;
-            if (push.pushes() > 0 && next.is_finite() && cost - next <= stage)
-                || !push.round(stage_operations)
-            {
+            let next = self.walk_cost(forward, &push, target, options, cost)?;
+            let stage = pushing(push.operations(), push.met()) - spent;
+            let paid = cost - next.all > stage || spent + stage < LITTLE * next.all;
+            let can_pay = next.all - next.least > pushing(stage_operations, push.met());
+            if (push.pushes() > 0 && !(paid && can_pay)) || !push.spend(stage_operations) {
                 break;
             }
-            (cost, spent) = (next, spent + stage);
+            (cost, spent) = (next.all, spent + stage);
             stage_operations = push.operations().max(FIRST_STAGE);
         }
         let side = self.side(forward, target, Some(&push), options)?;
@@ -237,13 +266,13 @@ impl Solver<'_> {
         Ok(Answer { why, costs, ..answer })
     }
 
-    /// What walks would cost from here.
+    /// What walks would cost from here, where so many nanoseconds are at stake.
     fn stage(
         &self,
         push: &Push<'_>,
         target: &[(usize, f64)],
         options: &Options,
-        pilot: f64,
+        stake: f64,
     ) -> Result<Stage, Refusal> {
         let system = self.system;
         // Asked for as late as possible: the columns cost a pass over the matrix.
@@ -251,7 +280,7 @@ impl Solver<'_> {
         let columns = || self.proof.columns_contract(system);
         // Where rows sum to more than one, the adjoint direction needs a certificate first, whose products cost a lot.
         let adjoint = if rows || !columns() {
-            self.walk_cost(false, push, target, options, pilot)?
+            self.walk_cost(false, push, target, options, stake)?
         } else {
             WalkCost::NEVER
         };
@@ -260,7 +289,7 @@ impl Solver<'_> {
             || system.has_transposed();
         let making = self.making_columns();
         let forward = if concentrated && making < adjoint.all && (!rows || columns()) {
-            self.walk_cost(true, push, target, options, pilot)?
+            self.walk_cost(true, push, target, options, stake)?
         } else {
             WalkCost::NEVER
         };
@@ -272,14 +301,14 @@ impl Solver<'_> {
         })
     }
 
-    /// What walks to the goal would take, by a pilot of about `steps`.
+    /// What walks to the goal would take, by a pilot that is worth its part of the stake.
     fn walk_cost(
         &self,
         forward: bool,
         push: &Push<'_>,
         target: &[(usize, f64)],
         options: &Options,
-        steps: f64,
+        stake: f64,
     ) -> Result<WalkCost, Refusal> {
         let push = (push.pushes() > 0).then_some(push);
         let Some(side) = self.side(forward, target, push, options)? else {
@@ -288,7 +317,8 @@ impl Solver<'_> {
         let kernel = side.kernel(options);
         let walker = side.walker(&kernel, options)?;
         let mut pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT_WALKS.0)?;
-        let more = (steps / (1.0 + pilot.steps_per_walk())) as u64;
+        let pilot_steps = (PILOT_STEPS * stake).clamp(PILOT.0, PILOT.1);
+        let more = (pilot_steps / (1.0 + pilot.steps_per_walk())) as u64;
         if more > PILOT_WALKS.0 {
             pilot.merge(&walker.tally(options.seed ^ PILOT_SEED, PILOT_WALKS.0, more.min(PILOT_WALKS.1))?);
         }
@@ -332,6 +362,13 @@ impl Solver<'_> {
             shared.forward = walks.max(FEWEST) as f64 * self.nanoseconds_of_walk(true, first) + making;
         }
         Ok(shared)
+    }
+
+    /// Nanoseconds of the fewest walks that give an interval, where none was made yet: at least, if they are not short.
+    fn fewest_walks(&self) -> f64 {
+        let contraction = if self.proof.rows_contract(self.system) { self.system.row_mass().1 } else { 0.0 };
+        let length = (1.0 / (1.0 - contraction)).min(NOT_SHORT);
+        FEWEST as f64 * (CREATION + self.nanoseconds_of_steps(false, length))
     }
 
     /// Transitions of a walk from a target, about.

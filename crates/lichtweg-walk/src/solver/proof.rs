@@ -93,7 +93,7 @@ impl Proof {
     /// Takes a majorant from a solver of A y = right, where A is an M-matrix split by its diagonal, and a majorant is wanted.
     #[cfg(feature = "faer")]
     pub fn offer_majorant(&self, system: &System, solve: impl Fn(&[f64]) -> Vec<f64>) {
-        let Some(linear) = system.as_linear().filter(|linear| linear.by_diagonal) else { return };
+        let Some(linear) = system.as_linear().filter(|linear| linear.by_diagonal()) else { return };
         let rows = self.rows(system);
         let wanted = rows.certificate.is_none() && rows.is_below_one() && self.by_columns(system).is_none();
         if wanted && linear.matrix == linear.matrix.comparison() {
@@ -104,9 +104,18 @@ impl Proof {
         }
     }
 
+    /// A bound of all |x_i| at once, where rows sum to less than one.
+    pub fn bound_of_each(&self, system: &System) -> Option<f64> {
+        let contracts = self.rows_contract(system);
+        contracts.then(|| system.summary().largest_source / (1.0 - system.row_mass().1))
+    }
+
     /// A bound of |<g, x>| for the solution of x = M x + b; `None` without a cheap proof. g may name an element twice.
     pub fn bound_of_solution(&self, system: &System, g: impl Iterator<Item = (usize, f64)>) -> Option<f64> {
-        if !self.rows_contract(system) && self.columns_contract(system) {
+        if let Some(bound) = self.bound_of_each(system) {
+            return Some(bound * g.map(|(_, value)| value.abs()).sum::<f64>());
+        }
+        if self.columns_contract(system) {
             let contraction = *self.column_norm.get()?;
             let norm = *self.source_norm.get_or_init(|| {
                 system.source().iter().map(|value| value.abs()).sum::<f64>() / (1.0 - contraction)
@@ -115,10 +124,7 @@ impl Proof {
         }
         let largest = system.summary().largest_source;
         if let Some(certificate) = &self.rows(system).certificate {
-            let norm = *self.source_norm.get_or_init(|| match certificate.weights {
-                None => largest / (1.0 - certificate.contraction),
-                Some(_) => certificate.solution_bound(system.source()),
-            });
+            let norm = *self.source_norm.get_or_init(|| certificate.solution_bound(system.source()));
             return Some(norm * g.map(|(i, value)| value.abs() * certificate.weight(i)).sum::<f64>());
         }
         // Only where it has been found already.
@@ -197,7 +203,7 @@ fn checked(mut v: Vec<f64>, magnitudes: &Matrix) -> Result<Vec<f64>, Vec<f64>> {
 /// M-matrix and D 1, which stays symmetric; else I - |M| and 1.
 fn dominated(system: &System, magnitudes: &Matrix) -> (Matrix, Vec<f64>) {
     if let Some(linear) = system.as_linear()
-        && linear.by_diagonal
+        && linear.by_diagonal()
         && linear.matrix.is_symmetric()
     {
         let diagonal = linear.matrix.diagonal();

@@ -1,9 +1,9 @@
 //! Why there is no number, and what would help.
 
+use crate::System;
 use crate::convergence::{Radius, spectral_radius};
-use crate::system::Splitting;
+use crate::system::{Linear, Splitting};
 use crate::walk::WalkError;
-use crate::{Matrix, System};
 
 /// Why there is no number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -108,11 +108,25 @@ fn advice(system: &System) -> String {
                 not need rho(|M|) < 1: --method deterministic."
             .to_owned();
     };
+    let fits = linear.matrix.entries() <= TRIED;
+    if linear.splitting != Splitting::default() {
+        let radius = fits.then(|| radius_of(linear, Splitting::default())).flatten();
+        return match radius {
+            Some(radius) => format!(
+                "Jacobi's splitting without damping converges (rho(|M|) <= {radius:.4}): --splitting jacobi. Or take --method \
+                 deterministic, which does not need it."
+            ),
+            None => "Try --splitting jacobi, or block:SIZE, without --damping. Or take --method deterministic, which does not \
+                     need rho(|M|) < 1."
+                .to_owned(),
+        };
+    }
     let mut advice = String::from(
         "A smaller damping cannot help (|1 - w| + w rho >= 1 for rho >= 1), and a matrix whose rows are not dominated by their \
          diagonal needs another splitting or preconditioning. ",
     );
-    match block_size_that_helps(&linear.matrix, &linear.right_side) {
+    let helps = |size| Some((size, radius_of(linear, Splitting::BlockJacobi { size, damping: 1.0 })?));
+    match [2, 4, 8, 16, 32].into_iter().filter(|_| fits).find_map(helps) {
         Some((size, radius)) => {
             advice += &format!(
                 "Block Jacobi with blocks of {size} converges (rho(|M|) <= {radius:.4}): --splitting block:{size}. "
@@ -126,13 +140,9 @@ fn advice(system: &System) -> String {
     advice + "Or take --method deterministic, which does not need it."
 }
 
-fn block_size_that_helps(a: &Matrix, b: &[f64]) -> Option<(usize, f64)> {
-    if a.entries() > TRIED {
-        return None;
-    }
-    [2, 4, 8, 16, 32].into_iter().find_map(|size| {
-        let system = System::linear(a, b, Splitting::BlockJacobi { size, damping: 1.0 }).ok()?;
-        let radius = spectral_radius(system.matrix(), None, 200);
-        radius.is_below_one().then_some((size, radius.high))
-    })
+/// A bound of rho(|M|) below 1 of another splitting, where there is one.
+fn radius_of(linear: &Linear, splitting: Splitting) -> Option<f64> {
+    let system = System::linear(&linear.matrix, &linear.right_side, splitting).ok()?;
+    let radius = spectral_radius(system.matrix(), None, 200);
+    radius.is_below_one().then_some(radius.high)
 }

@@ -2,6 +2,9 @@
 
 use std::time::Instant;
 
+use rayon::prelude::*;
+
+use super::reach::NO_SOURCE;
 use super::walking::{interval, report};
 use super::{Answer, Entries, Functional, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -17,23 +20,38 @@ impl Solver<'_> {
         let targets: Result<Vec<Entries>, Refusal> =
             functionals.iter().map(|functional| functional.entries(self.system.unknowns())).collect();
         let targets = targets?;
-        let zero = |target: &Entries| self.system.summary().sources == 0 || target.is_empty();
-        let asked: Vec<Entries> = targets.iter().filter(|target| !zero(target)).cloned().collect();
-        let mut found = self.by(options.method, &asked, options)?.into_iter();
+        let zeros: Vec<Option<Answer>> =
+            targets.iter().map(|one| self.known_zero(one, targets.len())).collect();
+        let asked = targets.iter().zip(&zeros).filter(|(_, zero)| zero.is_none());
+        let asked: Vec<Entries> = asked.map(|(target, _)| target.clone()).collect();
+        let found = self.by(options.method, &asked, options)?;
         let seconds = began.elapsed().as_secs_f64();
-        let mut answers = Vec::with_capacity(targets.len());
-        for target in &targets {
-            let answer = if zero(target) {
-                Some(Answer::exact(0.0, "the source vector or the functional is zero, and so is the answer"))
-            } else {
-                found.next()
-            };
-            answers.extend(answer);
-        }
+        // What looks like zero, and is not known to be anything else, may be zero.
+        let looked_at = |(answer, target): (Answer, &Entries)| {
+            let vague = answer.low() <= 0.0 && 0.0 <= answer.high() && answer.why != NO_SOURCE;
+            match vague.then(|| self.zero(target)).flatten() {
+                Some(zero) => Answer { why: zero.why, value: 0.0, half_width: 0.0, reached: true, ..answer },
+                None => answer,
+            }
+        };
+        let mut found = found.into_iter().zip(&asked).map(looked_at);
+        let mut answers: Vec<Answer> =
+            zeros.into_iter().filter_map(|zero| zero.or_else(|| found.next())).collect();
         if let [answer] = &mut answers[..] {
             answer.seconds = seconds;
         }
         Ok(answers)
+    }
+
+    /// The answer 0 where that is plain.
+    fn known_zero(&self, target: &Entries, count: usize) -> Option<Answer> {
+        if self.system.summary().sources == 0 || target.is_empty() {
+            return Some(Answer::exact(
+                0.0,
+                "the source vector or the functional is zero, and so is the answer",
+            ));
+        }
+        self.zero_at_a_glance(target, count)
     }
 
     /// By one method.
@@ -50,8 +68,42 @@ impl Solver<'_> {
             Method::Deterministic => timed(|| self.deterministic(targets, &options.goal)),
             Method::Direct => timed(|| self.direct(targets, &options.goal)),
             Method::Sequential => timed(|| self.sequential(targets, options)),
-            _ => targets.iter().map(|target| self.alone(method, target, options)).collect(),
+            _ => self.one_by_one(method, targets, options),
         }
+    }
+
+    /// Each by itself, many at a time.
+    fn one_by_one(
+        &self,
+        method: Method,
+        targets: &[Entries],
+        options: &Options,
+    ) -> Result<Vec<Answer>, Refusal> {
+        let Some((first, rest)) = targets.split_first() else { return Ok(Vec::new()) };
+        let mut answers = Vec::with_capacity(targets.len());
+        answers.push(self.alone(method, first, options)?);
+        if !rest.is_empty() {
+            self.make_ready(method, first, options)?;
+        }
+        // In groups, so that the first refusal is told, and soon.
+        for group in rest.chunks(GROUP) {
+            let found: Vec<_> = group.par_iter().map(|target| self.alone(method, target, options)).collect();
+            for answer in found {
+                answers.push(answer?);
+            }
+        }
+        Ok(answers)
+    }
+
+    /// Finds out what is kept of the system, in parallel, before many threads want it at once.
+    fn make_ready(&self, method: Method, target: &Entries, options: &Options) -> Result<(), Refusal> {
+        self.check_convergence()?;
+        if method == Method::Push {
+            let _ = self.proof.majorant(self.system);
+        }
+        let _ = self.pushed(&self.new_push(target));
+        let forward = matches!(method, Method::Forward | Method::Bidirectional);
+        self.side(forward, target, None, options).map(drop)
     }
 
     /// One functional by a method that serves no others.
@@ -84,11 +136,25 @@ impl Solver<'_> {
             let (goal, most) = (&options.goal, options.most_steps);
             Ok(estimate(&pilot, 0.0, goal, Interval::Student, most, walk)?)
         })?;
-        let answer = |found: &Estimate| {
+        let answer = |(found, target): (&Estimate, &Entries)| {
+            let seldom = found.tally.nonzero < SELDOM && !found.reached;
+            if seldom && targets.len() > 1 {
+                return self.from_its_own_end(target, options);
+            }
             let answer = report(Method::Forward, 0.0, 0, pilot_steps, found)?;
             Ok(Answer { shared: targets.len(), ..answer })
         };
-        found.iter().flatten().map(answer).collect()
+        found.iter().flatten().zip(targets).map(answer).collect()
+    }
+
+    /// What forward walks for many hardly ever come to, by push and walks from there.
+    fn from_its_own_end(&self, target: &Entries, options: &Options) -> Result<Answer, Refusal> {
+        if let Some(zero) = self.zero(target) {
+            return Ok(zero);
+        }
+        let mut answer = self.alone(Method::PushWalk, target, options)?;
+        answer.warnings.push("forward walks hardly ever came here: found from its own end".to_owned());
+        Ok(answer)
     }
 
     /// The same, without targets where nothing can come.
@@ -101,7 +167,7 @@ impl Solver<'_> {
         let kept: Vec<Entries> =
             targets.iter().zip(reached).filter(|&(_, &reached)| reached).map(|(t, _)| t.clone()).collect();
         let mut found = if kept.is_empty() { Vec::new() } else { self.forward(&kept, options)? }.into_iter();
-        let zero = || Answer::exact(0.0, "nothing comes here from the source vector");
+        let zero = || Answer::exact(0.0, NO_SOURCE);
         Ok(reached.iter().filter_map(|&reached| if reached { found.next() } else { Some(zero()) }).collect())
     }
 
@@ -148,6 +214,12 @@ impl Solver<'_> {
         Ok(targets.iter().map(|target| target.iter().any(|&(i, _)| reached(i))).collect())
     }
 }
+
+/// Scores of forward walks for many that are too few for one of them.
+const SELDOM: u64 = 64;
+
+/// Functionals that are found at a time.
+const GROUP: usize = 256;
 
 /// Whether walks may score for several functionals: what belongs to one alone is kept for one alone.
 pub(super) fn can_share(options: &Options) -> bool {

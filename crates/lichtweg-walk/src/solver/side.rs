@@ -51,16 +51,16 @@ impl Solver<'_> {
         let (plain, score) = if forward {
             let mut score = vec![0.0; system.unknowns()];
             match push {
-                Some(push) => push.touched().for_each(|i| score[i] = push.residual(i)),
+                Some(push) => push.residuals().for_each(|(i, q)| score[i] = q),
                 None => target.iter().for_each(|&(i, value)| score[i] += value),
             }
-            if push.is_some_and(|push| push.touched().all(|i| score[i] == 0.0)) {
+            if push.is_some_and(|push| push.residuals().all(|(_, q)| q == 0.0)) {
                 return Ok(None);
             }
             (self.source_start()?.map(Cow::Borrowed), Cow::Owned(score))
         } else {
             let plain = match push {
-                Some(push) => start(push.touched().map(|i| (i, push.residual(i))))?,
+                Some(push) => start(push.residuals())?,
                 None => start(target.iter().copied())?,
             };
             (plain.map(Cow::Owned), Cow::Borrowed(system.source()))

@@ -2,6 +2,7 @@
 
 use lichtweg_montecarlo::hash::combine;
 
+use super::reach::NO_SOURCE;
 use super::side::Side;
 use super::{Answer, Evidence, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -9,6 +10,8 @@ use crate::walk::{Tally, Walker, quasi_random};
 
 /// Independent scrambles of quasi-random walks, whose means make the interval.
 const SCRAMBLES: u32 = 32;
+/// Relative error of a sum over many pushes, by rounding.
+const ROUNDING: f64 = 1e-14;
 /// Points of each at the first look; enough for means to be about normal.
 const FIRST_POINTS: u32 = 64;
 
@@ -27,7 +30,8 @@ impl Solver<'_> {
         let walker = side.walker(&kernel, options)?;
         let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
         if pilot.nonzero == 0 && !side.reaches_a_score() {
-            return Ok(Answer::exact(offset, "the source vector cannot be reached from here"));
+            let why = if offset == 0.0 { NO_SOURCE } else { "no source is left to come to after pushing" };
+            return Ok(Answer { operations, ..Answer::exact(offset, why) });
         }
         if options.quasi {
             let answer = self.walk_quasi(method, &walker, offset, operations, options)?;
@@ -101,7 +105,7 @@ pub(super) fn report(
         return Err(Refusal::NotBelieved { walks: moments.count(), scored: tally.nonzero });
     }
     Ok(Answer {
-        half_width: found.half_width,
+        half_width: found.half_width + ROUNDING * offset.abs(),
         evidence: Evidence::Statistical,
         method,
         reached: found.reached,

@@ -73,8 +73,17 @@ impl Summary {
 pub(crate) struct Linear {
     pub matrix: Matrix,
     pub right_side: Vec<f64>,
+    /// How it was split.
+    pub splitting: Splitting,
+    /// Whether it is symmetric with a positive diagonal, and was split by that without damping.
+    pub definite: bool,
+}
+
+impl Linear {
     /// Whether it was split by its diagonal.
-    pub by_diagonal: bool,
+    pub fn by_diagonal(&self) -> bool {
+        matches!(self.splitting, Splitting::Jacobi { .. })
+    }
 }
 
 /// Why numbers do not make a system.
@@ -150,8 +159,11 @@ impl System {
         check_vector("right side", right_side, matrix)?;
         let (split, source) = splitting.split(matrix, right_side)?;
         let mut system = Self::fixed_point(split, source)?;
-        let by_diagonal = matches!(splitting, Splitting::Jacobi { .. });
-        system.linear = Some(Linear { matrix: matrix.clone(), right_side: right_side.to_vec(), by_diagonal });
+        let definite = splitting == Splitting::default()
+            && matrix.is_symmetric()
+            && matrix.diagonal().iter().all(|&d| d > 0.0);
+        let (matrix, right_side) = (matrix.clone(), right_side.to_vec());
+        system.linear = Some(Linear { matrix, right_side, splitting, definite });
         Ok(system)
     }
 
@@ -209,6 +221,11 @@ impl System {
     /// A and b of A x = b, where the system was given so.
     pub(crate) fn as_linear(&self) -> Option<&Linear> {
         self.linear.as_ref()
+    }
+
+    /// Whether M = I - D^-1 A with the diagonal D > 0 of a symmetric A, which is positive definite if rho(|M|) < 1.
+    pub(crate) fn is_definite(&self) -> bool {
+        self.linear.as_ref().is_some_and(|linear| linear.definite)
     }
 
     /// b + M x - x: zero where x solves the system.

@@ -342,6 +342,11 @@ pub(super) fn in_order<T: Send>(
 ) -> Result<(), WalkError> {
     let chunks = count.div_ceil(CHUNK);
     let walks = |chunk: u64| first + chunk * CHUNK..first + count.min((chunk + 1) * CHUNK);
+    if chunks == 1 {
+        // To wake other threads would take longer.
+        take(chunk(walks(0))?);
+        return Ok(());
+    }
     for start in (0..chunks).step_by(group) {
         let range = start..chunks.min(start + group as u64);
         let found: Result<Vec<T>, WalkError> = range.into_par_iter().map(|c| chunk(walks(c))).collect();
