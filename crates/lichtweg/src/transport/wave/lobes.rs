@@ -11,8 +11,8 @@ use crate::color::Spectra;
 use crate::scene::LobeModel;
 
 /// The models there are, with the lanes of each.
-#[derive(Clone, Copy)]
-pub(super) struct Models([(LobeModel, u32); 3]);
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Models([(LobeModel, u32); 3]);
 
 impl Models {
     /// Without lanes.
@@ -21,6 +21,26 @@ impl Models {
         (LobeModel::RoughConductor(MicrofacetKind::Beckmann), 0),
         (LobeModel::RoughConductor(MicrofacetKind::Ggx), 0),
     ]);
+
+    /// The same model in all lanes.
+    #[inline(always)]
+    pub fn only(model: LobeModel) -> Self {
+        let mut models = Self::NONE;
+        (0..LANES).for_each(|lane| models.set(lane, model));
+        models
+    }
+
+    /// Which model a lane has.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Option<LobeModel> {
+        self.0.iter().find(|(_, lanes)| lanes >> lane & 1 != 0).map(|(model, _)| *model)
+    }
+
+    /// The lanes of diffuse reflectors.
+    #[inline(always)]
+    pub fn diffuse(&self) -> u32 {
+        self.0[0].1
+    }
 
     /// Says which model a lane has.
     #[inline(always)]
