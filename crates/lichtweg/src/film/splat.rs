@@ -60,21 +60,24 @@ impl SplatFilm {
         self.sums.iter().map(|s| s.sum)
     }
 
-    /// Joins the sums of splats with those of the eye's samples of the same pixels, `samples` of each.
+    /// Joins the sums of splats with those of the eye's samples of the same pixels; `samples` of each pixel have splatted, in the mean
+    /// over all.
     ///
     /// The variance of the sum of splats is taken to be that of rare, independent events: the sum of their squares (a bound
     /// from above, as for a Poisson process). The joined sum of squares is the one that gives the sum of both variances.
-    pub fn join(&self, pixels: &mut [Pixel], samples: u32) {
-        let n = f64::from(samples);
+    pub fn join(&self, pixels: &mut [Pixel], samples: f64) {
         for (pixel, splats) in pixels.iter_mut().zip(&self.sums) {
-            let eye = Pixel { count: samples, ..*pixel }.variance_of_mean();
-            pixel.count = samples;
-            pixel.count_odd = samples / 2;
+            let eye = if pixel.count > 1 { pixel.variance_of_mean() } else { [0.0; 3] };
+            pixel.count = pixel.count.max(1);
+            let n = f64::from(pixel.count);
+            // One, unless the last samples of some pixels are missing.
+            let share = n / samples;
             for (lane, eye) in eye.into_iter().enumerate() {
-                pixel.sum[lane] += splats.sum[lane];
-                pixel.sum_odd[lane] += splats.sum_odd[lane];
+                pixel.sum[lane] += splats.sum[lane] * share;
+                pixel.sum_odd[lane] += splats.sum_odd[lane] * share;
                 let mean = pixel.sum[lane] / n;
-                let variance = if samples > 1 { eye + splats.sum_squares[lane] / (n * n) } else { 0.0 };
+                let variance =
+                    if pixel.count > 1 { eye + splats.sum_squares[lane] / (samples * samples) } else { 0.0 };
                 pixel.sum_squares[lane] = n * ((n - 1.0) * variance + mean * mean);
             }
         }

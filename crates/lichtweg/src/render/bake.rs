@@ -13,7 +13,9 @@ use rayon::prelude::*;
 
 use super::Progress;
 use crate::scene::Scene;
-use crate::transport::{Crowd, Departure, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog};
+use crate::transport::{
+    Crowd, Departure, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog,
+};
 
 /// When a walk leaves power on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -21,48 +21,16 @@ use crate::scene::{RayCounts, Scene};
 /// A connection whose weighted value is this part of what the pixel will show is surely looked at.
 const LARGE: f32 = 0.15;
 
-/// Decides which connections to look at: what is small beside the noise that the pixel has anyway is not worth a ray (Veach 1997,
-/// section 10.4.1, efficiency-optimized Russian roulette, with the threshold as a constant share of the pixel's mean). Connections of
-/// one vertex are chosen together by one random number, so that their number varies by less than one.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Selection {
-    /// Worth that surely deserves a ray.
-    sure: f32,
-    /// The sum of probabilities so far, modulo one.
-    position: f32,
-}
-
-impl Selection {
-    /// For a vertex that contributes to a pixel of about this radiance, by a uniform number.
-    #[inline]
-    pub fn new(expected: f32, u: impl FnOnce() -> f32) -> Self {
-        let sure = LARGE * expected;
-        Self { sure, position: if sure > 0.0 { u() } else { 0.0 } }
-    }
-
-    /// Whether to look if a connection of a weighted value is free: the factor that makes up for those that are not looked at.
-    #[inline]
-    pub fn keep(&mut self, worth: f32) -> Option<f32> {
-        let probability = worth / self.sure;
-        if probability >= 1.0 || probability.is_nan() {
-            return Some(1.0);
-        }
-        self.position += probability;
-        (self.position >= 1.0).then(|| {
-            self.position -= 1.0;
-            1.0 / probability
-        })
-    }
-}
-
-/// The same for a connection that is chosen by itself, by a uniform number; or for as many as `F` has lanes.
+/// Which connections of a weighted value `worth` to look at, by a uniform number, and the factor that makes up for those that are not:
+/// what is small beside the noise that the pixel has anyway is not worth a ray (Veach 1997, section 10.4.1, efficiency-optimized
+/// Russian roulette, with the threshold as a constant share of the pixel's mean).
 #[inline(always)]
-pub(super) fn keep_alone<F: Float>(expected: F, worth: F, u: F) -> (F::Mask, F) {
+pub(super) fn keep<F: Float>(expected: F, worth: F, u: F) -> (F::Mask, F) {
     let one = F::splat(1.0);
     let probability = worth / (F::splat(LARGE) * expected);
     // NaN is looked at, too: it has to be told.
     let surely = !probability.lt(one);
-    (surely | one.le(u + probability), one.select(surely, one / probability))
+    (surely | u.lt(probability), one.select(surely, one / probability))
 }
 
 /// Joins the walks of some pairs.
@@ -106,7 +74,15 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
                 let (light, eye) = (Trail::new(light, way.light), Trail::new(eye, way.eye));
                 Some(Route { end, lens: way.lens, light, eye })
             });
-            self.sink.add(&Contribution { sample, s, t, film, value: candidate.value * visible, weight, route });
+            self.sink.add(&Contribution {
+                sample,
+                s,
+                t,
+                film,
+                value: candidate.value * visible,
+                weight,
+                route,
+            });
         }
         self.queue.clear();
     }
@@ -197,8 +173,8 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         let weight = mis::share(heuristic, once, light, others);
         let value = vertex.throughput * scattering.value * event.sample.radiance * (1.0 / event.pdf());
         let &Pair { ref ray, expected, .. } = self.pair(vertex.walk);
-        let (keep, compensation) = keep_alone(expected, (value * weight).max_element(), u_keep);
-        if !keep {
+        let (kept, compensation) = keep(expected, (value * weight).max_element(), u_keep);
+        if !kept {
             return;
         }
         let lens = ray.origin;
@@ -234,14 +210,14 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         let others = from_eye * vertex.others.root(heuristic, scattering.pdf_back);
         // t = 0: the walk goes on into the lens.
         let once = self.settings.once();
-        let hit = camera.lens_pdf().map_or(0.0, |lens_pdf| {
-            once * (scattering.pdf * look.cos / (distance_squared * lens_pdf))
-        });
+        let hit = camera
+            .lens_pdf()
+            .map_or(0.0, |lens_pdf| once * (scattering.pdf * look.cos / (distance_squared * lens_pdf)));
         let weight = mis::share(heuristic, once, others, hit);
         let value = vertex.throughput * scattering.value * (look.pdf / distance_squared);
         let expected = sensor.expected(look.film);
-        let (keep, compensation) = keep_alone(expected, (value * weight).max_element(), u_keep);
-        if !keep {
+        let (kept, compensation) = keep(expected, (value * weight).max_element(), u_keep);
+        if !kept {
             return;
         }
         let candidate = Candidate {

@@ -4,7 +4,7 @@
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes};
 
 use super::bidirectional::{Bidirectional, ContributionSink};
-use super::connect::{Joiner, keep_alone};
+use super::connect::{Joiner, keep};
 use super::mis;
 use super::packets::RayLanes;
 use super::vertex_lanes::VertexLanes;
@@ -56,7 +56,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         let value = vertices.throughput * scattering.value * light.radiance * (splat(1.0) / pdf);
         let walk = vertices.walk.to_lanes();
         let expected = self.expected(&walk, lit.bits());
-        let (keep, compensation) = keep_alone(W::F32::load(&expected), (value * weight).max_element(), u_keep);
+        let (kept, compensation) = keep(W::F32::load(&expected), (value * weight).max_element(), u_keep);
         let origin = points.leave(light.direction);
         let rays = RayLanes::<W> {
             origin,
@@ -67,7 +67,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         };
         let (value, weight) = (SpectrumLanes::new(value * compensation), weight.to_lanes());
         let t = vertices.number + 1;
-        self.queue.append(&rays, lit & keep, |_, lane| Candidate {
+        self.queue.append(&rays, lit & kept, |_, lane| Candidate {
             sample: walk.0[lane],
             s: 1,
             t,
@@ -107,11 +107,11 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         for lane in lanes_of(seen.bits()) {
             expected.0[lane] = self.sensor.expected([film[0].0[lane], film[1].0[lane]]);
         }
-        let (keep, compensation) = keep_alone(W::F32::load(&expected), (value * weight).max_element(), u_keep);
+        let (kept, compensation) = keep(W::F32::load(&expected), (value * weight).max_element(), u_keep);
         let (direction, tnear) = look.toward(points);
         let tfar = splat(1.0 - SHADOW_END);
         let rays = RayLanes::<W> { origin: lens, direction, tnear, tfar, time: vertices.time };
-        let mask = seen & scattering.value.is_lit() & keep;
+        let mask = seen & scattering.value.is_lit() & kept;
         let (value, weight) = (SpectrumLanes::new(value * compensation), weight.to_lanes());
         let (walk, s) = (vertices.walk.to_lanes(), vertices.number + 1);
         self.queue.append(&rays, mask, |_, lane| Candidate {

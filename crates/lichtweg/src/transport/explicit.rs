@@ -325,9 +325,7 @@ fn connection(
     let Some(receiver) = first else { return 0.0 };
     match (light, &end.point) {
         (Light::Area(_), Some(point)) => f64::from(connection_pdf_area(scene, end.light, receiver, point)),
-        _ => {
-            f64::from(scene.selection().probability(receiver, end.light, 0)) * f64::from(density.start)
-        }
+        _ => f64::from(scene.selection().probability(receiver, end.light, 0)) * f64::from(density.start),
     }
 }
 

@@ -12,7 +12,7 @@ use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Mask, Wide};
 
 use super::bidirectional::{Bidirectional, ContributionSink, Pair};
-use super::connect::{Joiner, Selection};
+use super::connect::{Joiner, keep};
 use super::connect_lanes::SpectrumLanes;
 use super::joint::{Joint, Joints, Kind, Label, Reach, connect, lobes_of, reach, reach_lobes};
 use super::light_end::LightStart;
@@ -102,23 +102,24 @@ impl Kernel for Join<'_, '_> {
                 continue;
             }
             let pair: &Pair = &self.pairs[label.walk as usize];
-            let mut selection = Selection::new(pair.expected, || {
-                pair.eye.at_dimension(SELECTION_DIMENSION + label.number).next_1d()
-            });
+            let expected = W::F32::splat(pair.expected);
+            let mut u = pair.eye.at_dimension(SELECTION_DIMENSION + label.number).next_1d();
             let eye = EyeEnd::<W>::new(&self.eye, number, label);
             for block in blocks {
                 let joined = self.join_block::<W>(&eye, block, longest as f32, heuristic, share);
-                if joined.lit == 0 {
+                let Some(Joined { lit, value, weight }) = joined else { continue };
+                let (kept, compensation) = keep(expected, (value * weight).max_element(), strata::<W>(u));
+                u = fraction(u + GOLDEN_RATIO);
+                let kept = lit & kept;
+                if !kept.any() {
                     continue;
                 }
-                let (value, weight) = (SpectrumLanes::new(joined.value), joined.weight.to_lanes());
-                let worth = joined.worth.to_lanes();
-                for lane in lanes_of(joined.lit) {
-                    let Some(compensation) = selection.keep(worth.0[lane]) else { continue };
+                let (value, weight) = (SpectrumLanes::new(value * compensation), weight.to_lanes());
+                for lane in lanes_of(kept.bits()) {
                     self.connections.push(Connection {
                         light: block.joints[lane],
                         eye: number as u32,
-                        value: value.get(lane) * compensation,
+                        value: value.get(lane),
                         weight: weight.0[lane],
                     });
                 }
@@ -177,14 +178,34 @@ fn load<W: Wide>(columns: &[Lanes<f32>; LANES]) -> [W::F32; LANES] {
     out
 }
 
+/// Steps of this part of one fill it evenly.
+const GOLDEN_RATIO: f32 = 0.618_034;
+
+fn fraction(x: f32) -> f32 {
+    x - x.floor()
+}
+
+/// Uniform numbers, one in each sixteenth: of connections that are looked at with the same probability, nearly the same number always is.
+#[inline(always)]
+fn strata<W: Wide>(u: f32) -> W::F32 {
+    let one = W::F32::splat(1.0);
+    let shifted = W::F32::splat(u) + W::F32::load(&SIXTEENTHS);
+    let wrapped = shifted - one;
+    wrapped.select(one.le(shifted), shifted)
+}
+
+/// In an order in which neighbours are far from each other.
+static SIXTEENTHS: Lanes<f32> = Lanes([
+    0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875, 0.0625, 0.5625, 0.3125, 0.8125, 0.1875, 0.6875, 0.4375,
+    0.9375,
+]);
+
 /// What comes of sixteen connections.
 struct Joined<W: Wide> {
-    /// Lanes that light goes along.
-    lit: u32,
+    /// Where light goes along.
+    lit: W::Mask,
     value: Spectra<W::F32>,
     weight: W::F32,
-    /// The largest weighted value.
-    worth: W::F32,
 }
 
 impl Join<'_, '_> {
@@ -196,13 +217,24 @@ impl Join<'_, '_> {
         longest: f32,
         heuristic: Heuristic,
         share: f32,
-    ) -> Joined<W> {
+    ) -> Option<Joined<W>> {
         let splat = W::F32::splat;
         let light = Joint::new(&load::<W>(&block.columns));
         let along = light.point.position - eye.joint.point.position;
         let per_area = splat(1.0) / along.length_squared();
         let direction = along * per_area.sqrt();
-        let possible = W::F32::load(&block.numbers).le(splat(longest));
+        let mut possible = W::F32::load(&block.numbers).le(splat(longest));
+        // All but general vertices reflect on the side of their normals alone.
+        let zero = splat(0.0);
+        if !matches!(eye.kind, EyeKind::General(_)) {
+            possible = possible & zero.lt(eye.joint.normal.dot(direction));
+        }
+        if !matches!(block.kind, BlockKind::General) {
+            possible = possible & light.normal.dot(direction).lt(zero);
+        }
+        if !possible.any() {
+            return None;
+        }
         let at_eye = match &eye.kind {
             EyeKind::Reflector => eye.joint.reflect(direction, Mode::Radiance),
             EyeKind::Lobe { wo, material, models } => {
@@ -230,10 +262,7 @@ impl Join<'_, '_> {
         };
         let (value, weight) = connect(heuristic, &at_light, &at_eye, per_area);
         let value = value * splat(share);
-        let worth = (value * weight).max_element();
-        // NaN is looked at, too: it has to be told.
-        let lit = possible.and_not(worth.le(splat(0.0))).bits();
-        Joined { lit, value, weight, worth }
+        Some(Joined { lit: possible & value.is_lit(), value, weight })
     }
 }
 

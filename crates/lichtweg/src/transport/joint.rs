@@ -86,24 +86,7 @@ impl<F: Float> Joint<F> {
     fn columns(&self) -> [F; LANES] {
         let ShadowPoint { position: p, geometric_normal: g, error } = self.point;
         let (n, [r, gr, b, c], others) = (self.normal, self.flux.0, self.others);
-        [
-            p.x,
-            p.y,
-            p.z,
-            n.x,
-            n.y,
-            n.z,
-            g.x,
-            g.y,
-            g.z,
-            r,
-            gr,
-            b,
-            c,
-            error,
-            others.connected,
-            others.shorter,
-        ]
+        [p.x, p.y, p.z, n.x, n.y, n.z, g.x, g.y, g.z, r, gr, b, c, error, others.connected, others.shorter]
     }
 
     /// The joint of a diffuse reflector of an albedo. Without flux where the walk came from a side that reflects nothing.

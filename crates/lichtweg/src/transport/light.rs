@@ -14,8 +14,8 @@ use super::sensor::Sensor;
 use super::vertex::{Departure, Trail, Vertex};
 use super::walk::{Crowd, Survival, Walk, WalkVisitor};
 use crate::bsdf::Mode;
-use crate::scene::description::{Heuristic, IntegratorDescription};
 use crate::scene::Scene;
+use crate::scene::description::{Heuristic, IntegratorDescription};
 
 /// Light tracing.
 #[derive(Clone, Copy, Debug)]

@@ -42,25 +42,27 @@ pub struct Partners {
     lobes: Vec<[[Lanes<f32>; LANES]; 2]>,
     /// Where those of each group begin in `blocks`.
     groups: Vec<u32>,
-    /// Pairs in a row, and groups of them.
-    row: usize,
-    groups_a_row: usize,
+    /// The group of each pair.
+    group: Vec<u32>,
 }
 
 impl Partners {
     /// From the vertices of the walks of some pairs, in rows, groups of `partners` of which share theirs.
     pub fn gather(&mut self, light: &Joints, pairs: usize, row: usize, partners: usize) {
         self.sort(light, pairs);
-        (self.row, self.groups_a_row) = (row, row.div_ceil(partners));
+        let groups_a_row = row.div_ceil(partners);
+        self.group.clear();
+        self.group
+            .extend((0..pairs).map(|pair| (pair / row * groups_a_row + pair % row % groups_a_row) as u32));
         self.blocks.clear();
         self.lobes.clear();
         self.groups.clear();
         for first in (0..pairs).step_by(row) {
-            for group in 0..self.groups_a_row {
+            for group in 0..groups_a_row {
                 self.groups.push(self.blocks.len() as u32);
                 self.kinds.iter_mut().for_each(Vec::clear);
                 for partner in 0..partners {
-                    let walk = first + (group + partner * self.groups_a_row) % row;
+                    let walk = first + (group + partner * groups_a_row) % row;
                     for i in self.first[walk]..self.first[walk + 1] {
                         let joint = self.by_walk[i as usize];
                         let kind = match light.labels[joint as usize].kind {
@@ -136,8 +138,7 @@ impl Partners {
     /// What a pair is joined with.
     #[inline(always)]
     pub fn of(&self, pair: u32) -> &[Block] {
-        let pair = pair as usize;
-        let group = pair / self.row * self.groups_a_row + pair % self.row % self.groups_a_row;
+        let group = self.group[pair as usize] as usize;
         &self.blocks[self.groups[group] as usize..self.groups[group + 1] as usize]
     }
 

@@ -220,8 +220,8 @@ fn lists<const ALONE: bool>(d: &Description, pairs: &[Pair], row: usize, partner
 fn lobes() -> Description {
     let mut d = room(1);
     d.integrator.max_depth = Some(6);
-    let [beckmann, ggx] = [MicrofacetKind::Beckmann, MicrofacetKind::Ggx]
-        .map(|kind| d.material(metal(rough(kind, 0.3, 0.3))));
+    let [beckmann, ggx] =
+        [MicrofacetKind::Beckmann, MicrofacetKind::Ggx].map(|kind| d.material(metal(rough(kind, 0.3, 0.3))));
     add_ball(&mut d, ggx);
     add_block(&mut d, beckmann);
     let sides = d.two_sided(beckmann);

@@ -232,8 +232,7 @@ pub(super) fn adjoint_correction<F: Float>(
     wi: Vector<F>,
 ) -> F {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let same =
-        shading.x.equal(geometric.x) & shading.y.equal(geometric.y) & shading.z.equal(geometric.z);
+    let same = shading.x.equal(geometric.x) & shading.y.equal(geometric.y) & shading.z.equal(geometric.z);
     let slope = shading.dot(wo) * geometric.dot(wi) / (geometric.dot(wo) * shading.dot(wi));
     let slope = slope.abs();
     one.select(same, slope.select(slope.lt(F::splat(f32::INFINITY)), zero))

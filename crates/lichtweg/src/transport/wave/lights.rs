@@ -8,8 +8,8 @@ use crate::color::Spectra;
 use crate::lanes::warp;
 use crate::light::{Cone, LightChoice, Receiver, Sight, pdf_leaving};
 use crate::scene::offset::offset;
-use crate::transport::light_end;
 use crate::scene::{Facets, Scene, Sphere};
+use crate::transport::light_end;
 
 /// Sixteen points chosen on lights, as seen from points: [`LightSample`](crate::light::LightSample) in lanes.
 pub struct LightLanes<W: Wide> {

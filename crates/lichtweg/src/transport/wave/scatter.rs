@@ -65,14 +65,8 @@ impl<O: PathObserver> Step<'_, O> {
         let connects = tracer.light != LightStrategy::Naive;
         if connects {
             let (u_light, u) = (draws.next_1d(), draws.next_2d());
-            let light = lights::<W>(
-                self.scene,
-                points.position,
-                materials.frame.normal,
-                u_light,
-                u,
-                lanes.bits(),
-            );
+            let light =
+                lights::<W>(self.scene, points.position, materials.frame.normal, u_light, u, lanes.bits());
             let wi = materials.frame.to_local(light.direction);
             let (scattering, pdf_bsdf) = materials.value_and_pdf(wo, wi);
             let pdf = light.probability * light.pdf;
