@@ -143,6 +143,23 @@ mod tests {
         }
     }
 
+    /// Where a pass was cut, pixels have different numbers of samples, and the splats are those of all samples.
+    #[test]
+    fn splats_join_pixels_of_different_counts() {
+        let filter = Filter::new(&FilterDescription::BOX).unwrap();
+        let mut film = SplatFilm::new([0, 0, 3, 1]);
+        let splat = |x: f32| Splat { place: [x, 0.5], value: [3.0; 3] };
+        film.add(&[(0, &[splat(0.5), splat(1.5), splat(2.5)])], &filter);
+        let mut pixels = [Pixel::default(); 3];
+        for (pixel, count) in pixels.iter_mut().zip([2, 1, 0]) {
+            (0..count).for_each(|i| pixel.add(i, Spectrum::splat(5.0), 1.0));
+        }
+        film.join(&mut pixels, 1.5);
+        assert_eq!(pixels.map(|p| p.mean()[0]), [7.0, 7.0, 2.0]);
+        // No spread from the eye, one event of 3 among 1.5 samples.
+        assert!((pixels[0].variance_of_mean()[0] - 4.0).abs() < 1e-9);
+    }
+
     #[test]
     fn places_off_the_window_are_left_out() {
         let filter = Filter::new(&FilterDescription::BOX).unwrap();
