@@ -14,11 +14,13 @@ use common::build::{
 };
 use common::gallery;
 use common::room::{add_ball, add_block, add_light, add_walls, room, stage};
-use common::run::Estimator;
+use common::run::{Estimator, compile_scene, render_scene};
 use lichtweg::scene::description::{
     Description, FilterDescription, InstanceDescription, LightKind, MaterialKind, MicrofacetKind, Span,
     SpectrumDescription, TextureInput,
 };
+use lichtweg_montecarlo::Moments;
+use lichtweg_montecarlo::hypothesis::{sidak, welch_t_test};
 use lichtweg_ray::Placement;
 use lichtweg_ray::math::{Affine, Motion, Vec3};
 
@@ -32,6 +34,39 @@ const SPECULAR: [Estimator; 3] = [EYE, Estimator::BidirectionalBalance, Estimato
 
 fn assert_agreement(what: &str, description: &Description, estimators: &[Estimator]) {
     gallery::assert_agreement(what, description, estimators, 300);
+}
+
+/// <We, L> = <W, Le>: what the whole film receives, once as the eye's responsivity We over the radiance L that walks from the eye
+/// find, and once as the importance W that walks from the lights carry over the emission Le. One family of Welch tests at 0.01, of
+/// the channels and of scenes whose scattering is its own adjoint, and is not.
+#[test]
+fn forward_and_adjoint_measurements_agree() {
+    const SEEDS: u64 = 24;
+    for mut d in [gallery::diffuse_room(8), gallery::tilted_room(8)] {
+        let scene = compile_scene(&d);
+        let mut measure = |estimator: Estimator, first: u64| {
+            let mut totals = [Moments::default(); 3];
+            for seed in first..first + SEEDS {
+                estimator.choose(&mut d);
+                d.sampler.seed = seed;
+                let image = render_scene(&scene, &d);
+                let pixels = image.pixels.len() as f64;
+                for (channel, total) in totals.iter_mut().enumerate() {
+                    total.push(image.pixels.iter().map(|p| p.mean()[channel]).sum::<f64>() / pixels);
+                }
+            }
+            totals
+        };
+        let [forward, adjoint] = [measure(EYE, 1), measure(Estimator::Light, 1001)];
+        for (l, w) in forward.iter().zip(&adjoint) {
+            let estimate = |m: &Moments| (m.mean(), m.variance_of_mean(), (SEEDS - 1) as f64);
+            assert!(l.mean() > 0.01);
+            // The film as a whole is known to a hundredth: a lost cosine or normal would show.
+            assert!(w.standard_error() < 0.01 * w.mean(), "{}", w.standard_error());
+            let outcome = welch_t_test(estimate(l), estimate(w));
+            assert!(!outcome.rejects(sidak(0.01, 6)), "{} and {}: {outcome:?}", l.mean(), w.mean());
+        }
+    }
 }
 
 #[test]

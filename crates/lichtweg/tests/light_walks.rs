@@ -28,11 +28,7 @@ const ALPHA: f64 = 1e-3;
 struct Escape(Option<Departure>);
 
 impl WalkVisitor for Escape {
-    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
-        0.0
-    }
-
-    fn escapes(&mut self, traveller: &Traveller, _: Trail<'_, '_>) {
+    fn escapes(&mut self, traveller: &Traveller, _: Trail<'_, '_>, _: u32) {
         self.0 = Some(traveller.departure);
     }
 }
@@ -52,8 +48,8 @@ fn walks(scene: &Scene, number: u32, mut each: impl FnMut([f32; 3], &[Vertex<'_>
         let mut sampler = Sampler::new(SamplerKind::Independent, 5, 6, i);
         let Some(start) = LightStart::sample(scene, &mut sampler) else { continue };
         path.clear();
-        let departure = start.depart(0.0, Heuristic::Balance, 1.0);
-        crowd.travellers.push(Traveller::new(0, departure, sampler));
+        let departure = start.depart(0.0, 1.0);
+        crowd.push(Traveller::new(0, departure, sampler));
         let mut escape = Escape::default();
         walk.run(&mut crowd, &mut counts, &mut path, &mut escape);
         each(start.emission.power.to_rgb(), &path, escape.0);

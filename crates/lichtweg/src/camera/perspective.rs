@@ -57,16 +57,16 @@ pub(crate) struct CameraRays<F> {
     pub tfar: F,
 }
 
-/// How the camera sees in a direction from a point on its lens.
+/// How the camera sees in a direction from a point on its lens. Or in as many as `F` has lanes.
 #[derive(Clone, Copy, Debug)]
-pub struct View {
+pub struct View<F = f32> {
     /// Film coordinates, in [0, 1]^2 where they are on the film.
-    pub film: [f32; 2],
+    pub film: [F; 2],
     /// |d film / d solid angle|: the density per solid angle of directions whose film points are even over the film. As every
     /// film point has weight one, it is the importance We cos, too.
-    pub film_per_solid_angle: f32,
-    /// Cosine to the axis.
-    pub cos: f32,
+    pub film_per_solid_angle: F,
+    /// Cosine to the axis: positive before the camera, the only place where it sees.
+    pub cos: F,
 }
 
 impl Camera {
@@ -147,10 +147,9 @@ impl Camera {
     #[inline(always)]
     fn rays_from<F: Float>(&self, pose: &Pose, film: [F; 2], lens: [F; 2]) -> CameraRays<F> {
         let splat = F::splat;
-        let spread = |v: Vec3| Vector::new(splat(v.x), splat(v.y), splat(v.z));
         let x = splat(self.corner[0]) + film[0] * splat(self.extent[0]);
         let y = splat(self.corner[1]) + film[1] * splat(self.extent[1]);
-        let mut origin = spread(pose.origin);
+        let mut origin: Vector<F> = spread(pose.origin);
         let mut direction = Vector::new(x, y, splat(1.0));
         let (left, up) = (spread(pose.axes[0]), spread(pose.axes[1]));
         if self.aperture_radius > 0.0 {
@@ -194,11 +193,24 @@ impl Camera {
     /// A point on the lens, in the world.
     #[inline]
     pub fn lens_point(&self, u: [f32; 2]) -> Vec3 {
+        self.lens_points(u)
+    }
+
+    /// [`Camera::lens_point`] of a camera that does not move, at any width.
+    #[inline(always)]
+    pub(crate) fn lens_points<F: Float>(&self, u: [F; 2]) -> Vector<F> {
+        let origin = spread(self.pose.origin);
         if self.aperture_radius == 0.0 {
-            return self.pose.origin;
+            return origin;
         }
-        let [x, y] = warp::uniform_disk(u).map(|c| c * self.aperture_radius);
-        self.pose.origin + self.pose.axes[0] * x + self.pose.axes[1] * y
+        let radius = F::splat(self.aperture_radius);
+        let [x, y] = lanes::warp::uniform_disk(u);
+        origin + spread::<F>(self.pose.axes[0]) * (x * radius) + spread::<F>(self.pose.axes[1]) * (y * radius)
+    }
+
+    /// Whether it stays where it is.
+    pub(crate) fn is_fixed(&self) -> bool {
+        self.motion.is_none()
     }
 
     /// Density per area of points on the lens; `None` for a pinhole, which light cannot hit.
@@ -217,22 +229,30 @@ impl Camera {
     /// Where and how strongly the camera sees in a unit direction from a point on its lens; `None` behind it.
     #[inline]
     pub fn view(&self, lens_point: Vec3, direction: Vec3) -> Option<View> {
-        let [left, up, forward] = self.pose.axes;
+        let view = self.views(lens_point, direction);
+        (view.cos > 0.0).then_some(view)
+    }
+
+    /// [`Camera::view`] of a camera that does not move, at any width.
+    #[inline(always)]
+    pub(crate) fn views<F: Float>(&self, lens_point: Vector<F>, direction: Vector<F>) -> View<F> {
+        let splat = F::splat;
+        let [left, up, forward] = self.pose.axes.map(spread::<F>);
         let cos = direction.dot(forward);
-        if cos <= 0.0 {
-            return None;
-        }
         // In camera space, at depth 1 from the pinhole: where the plane in focus is met, scaled back.
         let (mut x, mut y) = (direction.dot(left) / cos, direction.dot(up) / cos);
         if self.aperture_radius > 0.0 {
-            let offset = lens_point - self.pose.origin;
-            x += offset.dot(left) / self.focus_distance;
-            y += offset.dot(up) / self.focus_distance;
+            let offset = lens_point - spread(self.pose.origin);
+            x = x + offset.dot(left) / splat(self.focus_distance);
+            y = y + offset.dot(up) / splat(self.focus_distance);
         }
-        let film = [(x - self.corner[0]) / self.extent[0], (y - self.corner[1]) / self.extent[1]];
+        let [left, top] = self.corner.map(splat);
+        let [width, height] = self.extent.map(splat);
+        let film = [(x - left) / width, (y - top) / height];
         // An area on the plane at depth 1 is seen under that area times cos^3, from any point of the lens.
         let film_area = (self.extent[0] * self.extent[1]).abs();
-        Some(View { film, film_per_solid_angle: 1.0 / (film_area * cos * cos * cos), cos })
+        let film_per_solid_angle = splat(1.0) / (splat(film_area) * cos * cos * cos);
+        View { film, film_per_solid_angle, cos }
     }
 
     /// Where a half line meets the lens, from before it.
@@ -246,6 +266,12 @@ impl Camera {
         let radius_squared = self.aperture_radius * self.aperture_radius;
         ((point - self.pose.origin).length_squared() < radius_squared).then_some(point)
     }
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+fn spread<F: Float>(v: Vec3) -> Vector<F> {
+    Vector::new(F::splat(v.x), F::splat(v.y), F::splat(v.z))
 }
 
 /// `[left, right, bottom, top]` of the view at depth 1, x to the right.

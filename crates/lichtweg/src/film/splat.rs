@@ -60,21 +60,24 @@ impl SplatFilm {
         self.sums.iter().map(|s| s.sum)
     }
 
-    /// Joins the sums of splats with those of the eye's samples of the same pixels, `samples` of each.
+    /// Joins the sums of splats with those of the eye's samples of the same pixels; `samples` of each pixel have splatted, in the mean
+    /// over all.
     ///
     /// The variance of the sum of splats is taken to be that of rare, independent events: the sum of their squares (a bound
     /// from above, as for a Poisson process). The joined sum of squares is the one that gives the sum of both variances.
-    pub fn join(&self, pixels: &mut [Pixel], samples: u32) {
-        let n = f64::from(samples);
+    pub fn join(&self, pixels: &mut [Pixel], samples: f64) {
         for (pixel, splats) in pixels.iter_mut().zip(&self.sums) {
-            let eye = Pixel { count: samples, ..*pixel }.variance_of_mean();
-            pixel.count = samples;
-            pixel.count_odd = samples / 2;
+            let eye = if pixel.count > 1 { pixel.variance_of_mean() } else { [0.0; 3] };
+            pixel.count = pixel.count.max(1);
+            let n = f64::from(pixel.count);
+            // One, unless the last samples of some pixels are missing.
+            let share = n / samples;
             for (lane, eye) in eye.into_iter().enumerate() {
-                pixel.sum[lane] += splats.sum[lane];
-                pixel.sum_odd[lane] += splats.sum_odd[lane];
+                pixel.sum[lane] += splats.sum[lane] * share;
+                pixel.sum_odd[lane] += splats.sum_odd[lane] * share;
                 let mean = pixel.sum[lane] / n;
-                let variance = if samples > 1 { eye + splats.sum_squares[lane] / (n * n) } else { 0.0 };
+                let variance =
+                    if pixel.count > 1 { eye + splats.sum_squares[lane] / (samples * samples) } else { 0.0 };
                 pixel.sum_squares[lane] = n * ((n - 1.0) * variance + mean * mean);
             }
         }
@@ -138,6 +141,23 @@ mod tests {
                 assert!((total - 2.0).abs() < 2.0 * tolerance, "{description:?} {place:?} {total}");
             }
         }
+    }
+
+    /// Where a pass was cut, pixels have different numbers of samples, and the splats are those of all samples.
+    #[test]
+    fn splats_join_pixels_of_different_counts() {
+        let filter = Filter::new(&FilterDescription::BOX).unwrap();
+        let mut film = SplatFilm::new([0, 0, 3, 1]);
+        let splat = |x: f32| Splat { place: [x, 0.5], value: [3.0; 3] };
+        film.add(&[(0, &[splat(0.5), splat(1.5), splat(2.5)])], &filter);
+        let mut pixels = [Pixel::default(); 3];
+        for (pixel, count) in pixels.iter_mut().zip([2, 1, 0]) {
+            (0..count).for_each(|i| pixel.add(i, Spectrum::splat(5.0), 1.0));
+        }
+        film.join(&mut pixels, 1.5);
+        assert_eq!(pixels.map(|p| p.mean()[0]), [7.0, 7.0, 2.0]);
+        // No spread from the eye, one event of 3 among 1.5 samples.
+        assert!((pixels[0].variance_of_mean()[0] - 4.0).abs() < 1e-9);
     }
 
     #[test]

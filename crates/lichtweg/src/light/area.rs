@@ -156,8 +156,7 @@ impl AreaLight {
             }
             (_, Form::Quadric(quadric)) => {
                 let point = quadric_point(quadric, self.shape, u);
-                let pdf = quadric_pdf_area(quadric, &point);
-                Some((point, pdf))
+                Some((point, self.pdf_area(&point, form)))
             }
             _ => None,
         }
@@ -182,12 +181,13 @@ impl AreaLight {
     pub(super) fn pdf_area(&self, point: &SurfacePoint, form: &Form) -> f32 {
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { area, .. }, _) => 1.0 / area,
+            (EmissionSampling::Sphere(sphere), _) => 1.0 / sphere_area(sphere),
             (_, Form::Quadric(quadric)) => quadric_pdf_area(quadric, point),
             _ => 0.0,
         }
     }
 
-    /// Radiance (elements 0 to 3), 1 / area of triangles (4), and 1 where both sides emit (5); `None` where that, and the form's
+    /// Radiance (elements 0 to 3), 1 / area (4), and 1 where both sides emit (5); `None` where that, and the form's
     /// row, do not say it all.
     pub(crate) fn emission_row(&self, form: &Form, has_holes: bool) -> Option<Row> {
         let Input::Constant(radiance) = self.radiance else { return None };
@@ -195,7 +195,9 @@ impl AreaLight {
         row.0[..4].copy_from_slice(&(radiance * self.factor).0);
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { area, .. }, _) => row.0[4] = 1.0 / area,
-            (EmissionSampling::Sphere(_), Form::Quadric(q)) if q.sphere.is_some() => {}
+            (EmissionSampling::Sphere(sphere), Form::Quadric(q)) if q.sphere.is_some() => {
+                row.0[4] = 1.0 / sphere_area(sphere);
+            }
             _ => return None,
         }
         row.0[5] = if self.two_sided { 1.0 } else { 0.0 };
@@ -251,6 +253,19 @@ impl AreaLight {
         self.point_by_area(u, form).map(|(point, pdf)| (point, Measure::Area(pdf)))
     }
 
+    /// Density per area with which [`AreaLight::sample`] chooses a point for `from`.
+    #[inline]
+    pub fn connection_pdf_area(&self, from: Vec3, point: &SurfacePoint, form: &Form) -> f32 {
+        if let EmissionSampling::Sphere(sphere) = &self.sampling {
+            let cone = Cone::new(sphere, from);
+            if cone.valid {
+                let sight = Sight::new(from, point.position, point.geometric_normal);
+                return cone.pdf() * sight.cos.abs() / sight.distance_squared;
+            }
+        }
+        self.pdf_area(point, form)
+    }
+
     /// Density per solid angle at `from` with which [`AreaLight::sample`] chooses the direction to `point`.
     #[inline]
     pub fn pdf(&self, from: Vec3, point: &SurfacePoint, direction: Vec3, form: &Form) -> f32 {
@@ -264,6 +279,10 @@ impl AreaLight {
         let cos = point.geometric_normal.dot(direction);
         Sight { direction, distance_squared, cos }.per_solid_angle(self.pdf_area(point, form))
     }
+}
+
+fn sphere_area(sphere: &Sphere) -> f32 {
+    2.0 * TAU * sphere.radius * sphere.radius
 }
 
 /// Surface coordinates of a whole sphere at a point of object space.
@@ -334,7 +353,7 @@ impl AreaLight {
     pub fn area(&self, form: &Form) -> f32 {
         match (&self.sampling, form) {
             (EmissionSampling::Triangles { area, .. }, _) => *area,
-            (EmissionSampling::Sphere(s), _) => 2.0 * TAU * s.radius * s.radius,
+            (EmissionSampling::Sphere(sphere), _) => sphere_area(sphere),
             (EmissionSampling::Quadric, Form::Quadric(quadric)) => {
                 // The mean of 1 / density over the density is the area; exact for disks, cylinders and similarities.
                 const GRID: usize = 16;

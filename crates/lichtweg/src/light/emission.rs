@@ -11,10 +11,12 @@ use std::f32::consts::PI;
 use lichtweg_montecarlo::warp;
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
+use lichtweg_ray::wide::Float;
 
 use super::{AreaLight, Light, LightSample};
 use crate::bsdf::Frame;
 use crate::color::Spectrum;
+use crate::lanes;
 use crate::scene::{Scene, SurfacePoint};
 
 /// The densities with which walks begin at a light in a given way.
@@ -175,9 +177,15 @@ impl AreaLight {
         }
     }
 
-    /// Density per solid angle of a direction at an angle to the outside normal whose cosine is given.
     #[inline]
     fn pdf_leaving(&self, cos: f32) -> f32 {
-        if self.two_sided { cos.abs() * (0.5 / PI) } else { warp::cosine_hemisphere_pdf(cos) }
+        pdf_leaving(self.two_sided, cos)
     }
+}
+
+/// Density per solid angle with which walks leave an area light in a direction at an angle to the outside normal whose cosine is
+/// given.
+#[inline(always)]
+pub(crate) fn pdf_leaving<F: Float>(two_sided: F::Mask, cos: F) -> F {
+    (cos.abs() * F::splat(0.5 / PI)).select(two_sided, lanes::warp::cosine_hemisphere_pdf(cos))
 }

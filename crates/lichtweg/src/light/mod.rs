@@ -23,6 +23,7 @@ pub use area::{AreaLight, EmissionSampling};
 pub(crate) use area::{LightRows, Sight};
 pub(crate) use cone::Cone;
 pub use delta::{Directional, Point, Spot};
+pub(crate) use emission::pdf_leaving;
 pub use emission::{Emission, EmissionDensity, Surroundings};
 pub use environment::{ConstantEnvironment, Environment, MapEnvironment};
 pub use selection::{Candidate, LightChoice, LightSelection};

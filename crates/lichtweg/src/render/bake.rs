@@ -12,9 +12,10 @@ use lichtweg_ray::math::Vec2;
 use rayon::prelude::*;
 
 use super::Progress;
-use crate::scene::description::Heuristic;
-use crate::scene::{Scene, SurfacePoint};
-use crate::transport::{Crowd, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog};
+use crate::scene::Scene;
+use crate::transport::{
+    Crowd, Departure, LightStart, Trail, Traveller, Vertex, WalkCounts, WalkVisitor, walk_analog,
+};
 
 /// When a walk leaves power on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,11 +79,7 @@ impl Depositor<'_> {
 }
 
 impl WalkVisitor for Depositor<'_> {
-    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
-        0.0
-    }
-
-    fn arrives(&mut self, trail: Trail<'_, '_>, _: &mut Sampler) {
+    fn arrives(&mut self, _: &Departure, trail: Trail<'_, '_>, _: &mut Sampler) {
         if let (Deposit::EveryHit, Some(vertex)) = (self.settings.deposit, trail.last()) {
             self.leave(vertex, 1.0);
         }
@@ -144,8 +141,8 @@ fn walk(
     for walk in walks {
         let mut sampler = Sampler::new(SamplerKind::Independent, settings.seed, walk >> 32, walk as u32);
         if let Some(start) = LightStart::sample(scene, &mut sampler) {
-            let departure = start.depart(0.0, Heuristic::Balance, 1.0);
-            crowd.travellers.push(Traveller::new(0, departure, sampler));
+            let departure = start.depart(0.0, 1.0);
+            crowd.push(Traveller::new(0, departure, sampler));
         }
     }
     let mut depositor = Depositor { settings, list: &mut list };

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use self::camera_paths::{Samples, StartPaths};
 pub use self::paths::FoundPath;
 pub use self::pyramid::{Pyramid, StrategyImage};
-use self::splatting::{Splatting, bidirectional};
+use self::splatting::{Splatting, TileSplats, bidirectional};
 use super::{Progress, RenderedImage};
 use crate::camera::Camera;
 use crate::color::Spectrum;
@@ -126,6 +126,8 @@ struct Tile {
     counts: WalkCounts,
     dropped: u64,
     first_dropped: Option<([u32; 2], u32)>,
+    /// Of the pass, where samples fall anywhere.
+    splats: TileSplats,
 }
 
 impl Job {
@@ -219,13 +221,7 @@ impl Job {
         while done < self.samples_per_pixel && !progress.is_stopped() {
             let pass_start = Instant::now();
             let end = done + pass_samples.min(self.samples_per_pixel - done);
-            // A pass that can be no shorter may be cut.
-            let ends = || {
-                pass_samples == 1
-                    && pass_start.elapsed().as_secs_f64() > PASS_SECONDS
-                    && (progress.is_stopped()
-                        || self.time_limit.is_some_and(|limit| start.elapsed() >= limit))
-            };
+            let ends = || self.cuts(pass_samples, pass_start, start, progress);
             panic = pass::run(
                 &mut tiles,
                 end - done,
@@ -246,13 +242,33 @@ impl Job {
             };
             pass_samples = next;
         }
+        self.finish(tiles, start, passes, panic, |_| ())
+    }
+
+    /// Whether a pass of so many samples ends before its next tile: one that can be no shorter may be cut.
+    fn cuts(&self, samples: u32, pass_start: Instant, start: Instant, progress: &Progress) -> bool {
+        samples == 1
+            && pass_start.elapsed().as_secs_f64() > PASS_SECONDS
+            && (progress.is_stopped() || self.time_limit.is_some_and(|limit| start.elapsed() >= limit))
+    }
+
+    /// What was rendered, completed by `complete`.
+    fn finish(
+        &self,
+        tiles: Vec<Tile>,
+        start: Instant,
+        passes: u32,
+        panic: Option<pass::Panic>,
+        complete: impl FnOnce(&mut RenderedImage),
+    ) -> Result<Rendering, RenderError> {
         let mut statistics = self.statistics(&tiles, passes);
         match panic {
             Some(panic) if statistics.most_samples_per_pixel == 0 => std::panic::resume_unwind(panic),
             None if statistics.most_samples_per_pixel == 0 => return Err(RenderError::Stopped),
             _ => {}
         }
-        let image = self.assemble(tiles);
+        let mut image = self.assemble(tiles);
+        complete(&mut image);
         statistics.seconds = start.elapsed().as_secs_f64();
         Ok(Rendering { image, statistics, panic: panic.as_ref().map(pass::message) })
     }
@@ -390,6 +406,7 @@ impl Tile {
             counts: WalkCounts::default(),
             dropped: 0,
             first_dropped: None,
+            splats: TileSplats::default(),
         }
     }
 

@@ -18,20 +18,27 @@
 use lichtweg_montecarlo::{Roulette, Sampler};
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
+use lichtweg_ray::wide::{Float, FloatLanes, Lanes, Mask, Wide, WordLanes};
 
 use super::WalkCounts;
 use super::connect::Joiner;
-use super::join::Partners;
+use super::join::{Connection, Ends};
+use super::joint::Joints;
 use super::light_end::{LightEnd, LightStart};
-use super::mis::raise;
+use super::partners::Partners;
 use super::sensor::Sensor;
-use super::vertex::{Trail, Vertex};
+use super::traveller::Traveller;
+use super::vertex::{Departure, Trail, Vertex};
+use super::vertex_lanes::VertexLanes;
 use super::visibility::ShadowQueue;
-use super::walk::{Crowd, Survival, Traveller, Walk, WalkVisitor};
+use super::walk::{Crowd, Survival, Walk, WalkVisitor};
+use super::wave::{lanes_of_vector, vec3};
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
+use crate::lanes::lanes_of;
+use crate::light::Receiver;
+use crate::scene::Scene;
 use crate::scene::description::{Heuristic, IntegratorDescription};
-use crate::scene::{Scene, SurfacePoint};
 
 /// Bidirectional path tracing.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +66,13 @@ pub struct Contribution<'p, 'a> {
     pub value: Spectrum,
     /// Its weight among the strategies.
     pub weight: f32,
+    /// Where it leads along: told where [`ContributionSink::ROUTES`] asks for it.
+    pub route: Option<Route<'p, 'a>>,
+}
+
+/// Where a path leads along.
+#[derive(Clone, Copy, Debug)]
+pub struct Route<'p, 'a> {
     /// The point on the light.
     pub end: &'p LightEnd,
     /// The point on the lens.
@@ -73,6 +87,9 @@ pub struct Contribution<'p, 'a> {
 pub trait ContributionSink {
     /// Whether it wants to see paths of weight zero, too: those of one edge, in other ways than by walks from the eye.
     const UNWEIGHTED: bool = false;
+
+    /// Whether it wants to know where paths lead along: every walk then goes alone.
+    const ROUTES: bool = false;
 
     /// A path was made.
     fn add(&mut self, contribution: &Contribution<'_, '_>);
@@ -100,9 +117,13 @@ pub struct Pair {
 pub struct Workspace<'a> {
     pub(super) crowd: Crowd,
     pub(super) starts: Vec<Option<LightStart>>,
+    /// Vertices of walks that went alone.
     pub(super) light: Vec<Vertex<'a>>,
     eye: Vec<Vertex<'a>>,
+    /// Vertices that wait for connections, of walks from the lights and from the eye.
+    joints: [Joints; 2],
     pub(super) queue: ShadowQueue,
+    connections: Vec<Connection>,
     partners: Partners,
 }
 
@@ -111,13 +132,13 @@ impl Workspace<'_> {
     pub(super) fn start_from_lights(&mut self, scene: &Scene, pairs: &[Pair], settings: &Bidirectional) {
         self.light.clear();
         self.starts.clear();
-        self.crowd.travellers.clear();
+        self.crowd.clear();
         for (walk, pair) in (0..).zip(pairs) {
             let mut sampler = pair.light;
             let start = LightStart::sample(scene, &mut sampler);
             if let Some(start) = &start {
-                let departure = start.depart(pair.ray.time, settings.heuristic, settings.once());
-                self.crowd.travellers.push(Traveller::new(walk, departure, sampler));
+                let departure = start.depart(pair.ray.time, settings.once());
+                self.crowd.push(Traveller::new(walk, departure, sampler));
             }
             self.starts.push(start);
         }
@@ -126,11 +147,11 @@ impl Workspace<'_> {
     /// Begins a walk from the eye for each pair.
     fn start_from_eye(&mut self, sensor: &Sensor<'_>, pairs: &[Pair], settings: &Bidirectional) {
         self.eye.clear();
-        self.crowd.travellers.clear();
+        self.crowd.clear();
         for (walk, pair) in (0..).zip(pairs) {
             let camera = sensor.camera.at(pair.ray.time);
-            let departure = sensor.with(&camera).depart(pair.ray, settings.heuristic, settings.once());
-            self.crowd.travellers.push(Traveller::new(walk, departure, pair.eye));
+            let departure = sensor.with(&camera).depart(pair.ray, settings.once());
+            self.crowd.push(Traveller::new(walk, departure, pair.eye));
         }
     }
 }
@@ -138,51 +159,112 @@ impl Workspace<'_> {
 /// Walks from the eye run into lights, and every vertex is connected to one.
 struct FromEye<'j, 'p, 'a, S> {
     joiner: &'j mut Joiner<'p, 'a, S>,
+    joints: &'j mut Joints,
 }
 
 impl<S: ContributionSink> WalkVisitor for FromEye<'_, '_, '_, S> {
-    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
+    const LIGHTS_ALONE: bool = true;
+    const LAST_MATTER: bool = false;
+
+    #[inline(always)]
+    fn is_wide(&self) -> bool {
+        !S::ROUTES
+    }
+
+    fn first_link(&mut self, _: u32, _: &Receiver) -> f32 {
         self.joiner.settings.once()
     }
 
+    #[inline(always)]
+    fn first_links<W: Wide>(&mut self, _: &VertexLanes<W>) -> W::F32 {
+        W::F32::splat(self.joiner.settings.once())
+    }
+
     #[inline]
-    fn arrives(&mut self, trail: Trail<'_, '_>, sampler: &mut Sampler) {
-        self.joiner.run_into_light(trail);
-        if trail.len() < self.joiner.settings.max_depth {
+    fn arrives(&mut self, from: &Departure, trail: Trail<'_, '_>, sampler: &mut Sampler) {
+        self.joiner.run_into_light(from, trail);
+        if trail.last().is_some_and(|vertex| vertex.number < self.joiner.settings.max_depth) {
             self.joiner.connect_to_light(trail, sampler);
         }
     }
 
-    fn escapes(&mut self, traveller: &Traveller, trail: Trail<'_, '_>) {
-        self.joiner.run_out_of_scene(traveller.walk, &traveller.departure, trail);
+    #[inline(always)]
+    fn arrive_together<W: Wide>(&mut self, vertices: &mut VertexLanes<W>) {
+        self.joiner.connect_to_lights(vertices);
+        if self.joiner.settings.joins(vertices.number) {
+            self.joints.append(vertices, self.joiner.settings.heuristic);
+        }
+    }
+
+    fn escapes(&mut self, traveller: &Traveller, trail: Trail<'_, '_>, vertices: u32) {
+        self.joiner.run_out_of_scene(traveller.walk, &traveller.departure, trail, vertices);
     }
 }
 
 /// Walks from a light run into the lens, and every vertex is connected to it.
 struct FromLight<'j, 'p, 'a, S> {
     joiner: &'j mut Joiner<'p, 'a, S>,
+    joints: &'j mut Joints,
     starts: &'j [Option<LightStart>],
     has_lens: bool,
 }
 
-impl<S: ContributionSink> WalkVisitor for FromLight<'_, '_, '_, S> {
-    fn first_link(&mut self, walk: u32, point: &SurfacePoint) -> f64 {
+impl<S> FromLight<'_, '_, '_, S> {
+    #[inline]
+    fn link(&self, walk: u32, receiver: &Receiver) -> f32 {
         let Joiner { scene, settings, .. } = *self.joiner;
-        let link = |start: &LightStart| start.first_link(point, scene, settings.heuristic);
-        settings.once() * self.starts[walk as usize].as_ref().map_or(0.0, link)
+        let start = self.starts[walk as usize].as_ref();
+        settings.once() * start.map_or(0.0, |start| start.first_link(receiver, scene))
+    }
+}
+
+impl<S: ContributionSink> WalkVisitor for FromLight<'_, '_, '_, S> {
+    #[inline(always)]
+    fn is_wide(&self) -> bool {
+        !S::ROUTES && !self.has_lens && self.joiner.sensor.camera.is_fixed()
+    }
+
+    fn first_link(&mut self, walk: u32, receiver: &Receiver) -> f32 {
+        self.link(walk, receiver)
+    }
+
+    #[inline(always)]
+    fn first_links<W: Wide>(&mut self, vertices: &VertexLanes<W>) -> W::F32 {
+        let (position, normal) = (vertices.points.position, vertices.lobes.materials.frame.normal);
+        let (position, normal) = (lanes_of_vector::<W>(position), lanes_of_vector::<W>(normal));
+        let walk = vertices.walk.to_lanes();
+        let mut links = Lanes::splat(0.0);
+        for lane in lanes_of(vertices.lanes.bits()) {
+            let receiver = Receiver { position: vec3(&position, lane), normal: vec3(&normal, lane) };
+            links.0[lane] = self.link(walk.0[lane], &receiver);
+        }
+        W::F32::load(&links)
+    }
+
+    #[inline]
+    fn watches_departures(&self) -> bool {
+        self.has_lens
     }
 
     #[inline]
     fn departs(&mut self, traveller: &Traveller, trail: Trail<'_, '_>) {
         let Traveller { walk, departure, .. } = traveller;
-        if let Some(start) = self.starts[*walk as usize].as_ref().filter(|_| self.has_lens) {
+        if let Some(start) = self.starts[*walk as usize].as_ref() {
             self.joiner.run_into_lens(*walk, start, departure, trail);
         }
     }
 
     #[inline]
-    fn arrives(&mut self, trail: Trail<'_, '_>, sampler: &mut Sampler) {
+    fn arrives(&mut self, _: &Departure, trail: Trail<'_, '_>, sampler: &mut Sampler) {
         self.joiner.connect_to_lens(trail, sampler);
+    }
+
+    #[inline(always)]
+    fn arrive_together<W: Wide>(&mut self, vertices: &mut VertexLanes<W>) {
+        self.joiner.connect_to_lenses(vertices);
+        if self.joiner.settings.joins(vertices.number) {
+            self.joints.append(vertices, self.joiner.settings.heuristic);
+        }
     }
 }
 
@@ -210,8 +292,14 @@ impl Bidirectional {
     /// c of the strategies of which there is one path for each pair, where those that join two walks have `partners` (Veach 1997,
     /// section 9.2.1: the weights are of densities times numbers of samples).
     #[inline]
-    pub(super) fn once(&self) -> f64 {
-        raise(self.heuristic, 1.0 / self.partners as f32)
+    pub(super) fn once(&self) -> f32 {
+        1.0 / self.partners as f32
+    }
+
+    /// Whether vertices of this number are joined with those of the other walk.
+    #[inline]
+    fn joins(&self, number: u32) -> bool {
+        number.saturating_add(2) <= self.max_depth
     }
 
     /// Makes pairs of walks, and all that comes of them. Pairs come in rows of a length, the last of which may not be cut short: those
@@ -231,11 +319,12 @@ impl Bidirectional {
             return;
         }
         workspace.start_from_lights(scene, pairs, self);
-        let Workspace { crowd, starts, light, queue, .. } = workspace;
+        workspace.joints.iter_mut().for_each(Joints::clear);
+        let Workspace { crowd, starts, light, joints: [joints, _], queue, .. } = workspace;
         let mut joiner = Joiner { settings: self, scene, sensor, pairs, queue, sink };
-        self.walk_from_lights(&mut joiner, crowd, starts, light, counts);
+        self.walk_from_lights(&mut joiner, crowd, starts, light, joints, counts);
         workspace.start_from_eye(sensor, pairs, self);
-        let Workspace { crowd, starts, light, eye, queue, partners } = workspace;
+        let Workspace { crowd, starts, light, eye, joints, queue, connections, partners } = workspace;
         let mut joiner = Joiner { settings: self, scene, sensor, pairs, queue, sink };
         if S::UNWEIGHTED {
             for (walk, pair) in (0..).zip(pairs) {
@@ -243,9 +332,24 @@ impl Bidirectional {
             }
         }
         let walk = self.walk(scene, Mode::Radiance, self.max_depth);
-        walk.run(crowd, counts, eye, &mut FromEye { joiner: &mut joiner });
+        let [light_joints, eye_joints] = joints;
+        let mut visitor = FromEye { joiner: &mut joiner, joints: eye_joints };
+        walk.run(crowd, counts, eye, &mut visitor);
         joiner.flush(light, eye, starts, &mut counts.rays);
-        joiner.join(partners, row, light, eye, starts, &mut counts.rays);
+        self.wait(light, light_joints, Mode::Importance);
+        self.wait(eye, eye_joints, Mode::Radiance);
+        let light = Ends { joints: light_joints, alone: light };
+        let eye = Ends { joints: eye_joints, alone: eye };
+        joiner.join(partners, connections, row, [light, eye], starts, &mut counts.rays);
+    }
+
+    /// Lets the vertices of walks that went alone wait for connections.
+    fn wait(&self, alone: &[Vertex<'_>], joints: &mut Joints, mode: Mode) {
+        for (i, vertex) in (0..).zip(alone) {
+            if self.joins(vertex.number) {
+                joints.push(vertex, i, mode, self.heuristic);
+            }
+        }
     }
 
     fn walk<'a>(&self, scene: &'a Scene, mode: Mode, max_vertices: u32) -> Walk<'a> {
@@ -266,6 +370,7 @@ impl Bidirectional {
         crowd: &mut Crowd,
         starts: &[Option<LightStart>],
         light: &mut Vec<Vertex<'a>>,
+        joints: &mut Joints,
         counts: &mut WalkCounts,
     ) {
         // Every vertex is connected to all those of the other walk: vertices that carry little cost too much to play late.
@@ -281,7 +386,7 @@ impl Bidirectional {
         };
         // Edges are counted of walks from the eye.
         let mut of_lights = WalkCounts::default();
-        walk.run(crowd, &mut of_lights, light, &mut FromLight { joiner, starts, has_lens });
+        walk.run(crowd, &mut of_lights, light, &mut FromLight { joiner, joints, starts, has_lens });
         joiner.flush(light, &[], starts, &mut of_lights.rays);
         counts.rays.merge(&of_lights.rays);
     }

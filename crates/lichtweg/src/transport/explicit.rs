@@ -9,8 +9,8 @@
 
 use lichtweg_ray::math::Vec3;
 
-use super::bidirectional::{Bidirectional, Contribution};
-use super::light_end::connection_pdf_area;
+use super::bidirectional::{Bidirectional, Contribution, Route};
+use super::light_end::{LightEnd, connection_pdf_area};
 use super::sensor::Sensor;
 use super::vertex::Vertex;
 use crate::bsdf::Mode;
@@ -82,6 +82,7 @@ pub struct PathStrategy {
 /// A surface between the ends, with its densities per solid angle.
 struct Middle {
     point: SurfacePoint,
+    receiver: Receiver,
     scattering: Spectrum,
     delta: bool,
     to_eye: f64,
@@ -97,6 +98,7 @@ impl Middle {
         let scattering = vertex.scatter(onward, mode);
         let mut this = Self {
             point: vertex.point,
+            receiver: vertex.receiver(),
             scattering: scattering.value / cos,
             delta: false,
             to_eye: f64::from(scattering.pdf),
@@ -132,11 +134,12 @@ impl ExplicitPath {
         sensor: &Sensor<'_>,
         settings: &Bidirectional,
     ) -> Option<Self> {
-        let (light_walk, eye_walk) = (contribution.light.to_vec(), contribution.eye.to_vec());
-        let middles = middles(contribution, &light_walk, &eye_walk);
-        let end = contribution.end;
+        let route = contribution.route?;
+        let (light_walk, eye_walk) = (route.light.to_vec(), route.eye.to_vec());
+        let middles = middles(contribution, &route, &light_walk, &eye_walk);
+        let end = route.end;
         let light = &scene.lights()[end.light as usize];
-        let density = density(light, contribution, scene);
+        let density = density(light, end, scene);
         let probability = f64::from(scene.selection().emitter_probability(end.light));
 
         let mut vertices = vec![PathVertex {
@@ -161,7 +164,7 @@ impl ExplicitPath {
         let lens_pdf = sensor.camera.lens_pdf();
         vertices.push(PathVertex {
             kind: VertexKind::Lens,
-            position: Some(contribution.lens),
+            position: Some(route.lens),
             normal: Some(forward),
             scattering: Spectrum::ONE,
             delta: false,
@@ -176,7 +179,7 @@ impl ExplicitPath {
             (Some(a), Some(b)) => (b - a).normalized(),
             _ => end.direction,
         };
-        let look = sensor.look(contribution.lens, -direction(last - 1))?;
+        let look = sensor.look(route.lens, -direction(last - 1))?;
         let directions: Vec<Vec3> = (0..last).map(direction).collect();
         let mut geometry = Vec::with_capacity(last);
         for i in 0..last {
@@ -193,13 +196,13 @@ impl ExplicitPath {
             let coming = if i + 1 == last { f64::from(look.pdf) } else { middles[i].to_light };
             vertices[i].pdf_from_eye = coming * here * per_area;
         }
-        let first = middles.first().map(|m| &m.point);
-        let first_link = connection(light, contribution, scene, &density, first);
+        let first = middles.first().map(|m| &m.receiver);
+        let first_link = connection(light, end, scene, &density, first);
         let (s, t) = (contribution.s as usize, contribution.t as usize);
         let mut path = Self {
             s,
             t,
-            emission: emission(light, contribution, scene),
+            emission: emission(light, contribution.s, end, scene),
             response: f64::from(look.pdf) * f64::from(lens_pdf.unwrap_or(1.0)) / f64::from(look.cos),
             survival: middles.iter().map(|m| m.survival).product(),
             strategies: Vec::new(),
@@ -262,8 +265,13 @@ impl ExplicitPath {
 }
 
 /// The surfaces between the ends, from the light on.
-fn middles(contribution: &Contribution<'_, '_>, light: &[Vertex<'_>], eye: &[Vertex<'_>]) -> Vec<Middle> {
-    let Contribution { s, t, end, lens, .. } = contribution;
+fn middles(
+    contribution: &Contribution<'_, '_>,
+    route: &Route<'_, '_>,
+    light: &[Vertex<'_>],
+    eye: &[Vertex<'_>],
+) -> Vec<Middle> {
+    let (Contribution { s, t, .. }, Route { end, lens, .. }) = (contribution, route);
     let toward = |from: &Vertex<'_>, to: Vec3| (to - from.point.position).normalized();
     // A walk from the eye that ran into a shape has the point on the light as its last vertex.
     let eye = if *s == 0 && end.position.is_some() { &eye[..eye.len() - 1] } else { eye };
@@ -295,8 +303,7 @@ fn middles(contribution: &Contribution<'_, '_>, light: &[Vertex<'_>], eye: &[Ver
 }
 
 /// With which densities walks begin at the light.
-fn density(light: &Light, contribution: &Contribution<'_, '_>, scene: &Scene) -> EmissionDensity {
-    let end = contribution.end;
+fn density(light: &Light, end: &LightEnd, scene: &Scene) -> EmissionDensity {
     match (light, &end.point) {
         (Light::Area(light), Some(point)) => light.emission_density(point, end.direction, scene),
         (Light::Environment(environment), _) => EmissionDensity {
@@ -310,29 +317,24 @@ fn density(light: &Light, contribution: &Contribution<'_, '_>, scene: &Scene) ->
 /// Density with which the first surface is connected to this point on the light.
 fn connection(
     light: &Light,
-    contribution: &Contribution<'_, '_>,
+    end: &LightEnd,
     scene: &Scene,
     density: &EmissionDensity,
-    first: Option<&SurfacePoint>,
+    first: Option<&Receiver>,
 ) -> f64 {
-    let end = contribution.end;
     let Some(receiver) = first else { return 0.0 };
     match (light, &end.point) {
         (Light::Area(_), Some(point)) => f64::from(connection_pdf_area(scene, end.light, receiver, point)),
-        _ => {
-            let to = Receiver::open(receiver.position);
-            f64::from(scene.selection().probability(&to, end.light, 0)) * f64::from(density.start)
-        }
+        _ => f64::from(scene.selection().probability(receiver, end.light, 0)) * f64::from(density.start),
     }
 }
 
 /// S, in the direction of the path.
-fn emission(light: &Light, contribution: &Contribution<'_, '_>, scene: &Scene) -> Spectrum {
-    let end = contribution.end;
+fn emission(light: &Light, s: u32, end: &LightEnd, scene: &Scene) -> Spectrum {
     match (light, &end.point) {
         (Light::Area(light), Some(point)) => {
             // Whether a surface with holes is there is left to chance where a walk from the eye runs into it.
-            let opacity = if contribution.s == 0 { 1.0 } else { scene.opacity_at(point, end.direction) };
+            let opacity = if s == 0 { 1.0 } else { scene.opacity_at(point, end.direction) };
             light.radiance(point, end.direction, scene.textures()) * opacity
         }
         (Light::Area(_), None) => Spectrum::ZERO,

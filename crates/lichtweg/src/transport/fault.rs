@@ -27,8 +27,15 @@ pub const fn is_seeded(_: Fault) -> bool {
     false
 }
 
+/// Whether the running test makes any mistake.
+#[cfg(not(test))]
+#[inline(always)]
+pub const fn is_any_seeded() -> bool {
+    false
+}
+
 #[cfg(test)]
-pub use seed::{is_seeded, with_fault};
+pub use seed::{is_any_seeded, is_seeded, with_fault};
 
 #[cfg(test)]
 mod seed {
@@ -42,6 +49,10 @@ mod seed {
 
     pub fn is_seeded(fault: Fault) -> bool {
         SEEDED.get() == Some(fault)
+    }
+
+    pub fn is_any_seeded() -> bool {
+        SEEDED.get().is_some()
     }
 
     /// Does something with a fault, on one thread.

@@ -1,4 +1,4 @@
-//! Connections between the vertices of walks from the eye and those of walks from the lights.
+//! Connections between the vertices of walks from the eye and those of walks from the lights: s, t >= 2.
 //!
 //! Pairs come in rows, and groups of pairs of a row share their walks from the lights: each walk from the eye is joined with the
 //! walks from the lights of `partners` pairs, itself one of them, each for its share. So for one walk of either kind there are many
@@ -6,22 +6,24 @@
 //! Simulation on the GPU*, section 6, and Popov et al. 2015, *Probabilistic Connections for Bidirectional Path Tracing*). The pairs
 //! of a group belong to different pixels, so that a pixel's samples stay independent.
 //!
-//! Vertices that reflect diffusely are connected sixteen at a time: with cosines c at shading and g at geometric normals,
-//! distance d and albedos folded into the throughputs, the value is T_z T_y (c_z / pi) (g_y / pi) / d^2, and each sum of the weights is
-//! (p r)^b with a number r that the vertex knows, since its density of going back does not depend on the connection.
+//! A vertex of a walk from the eye is connected to sixteen others at a time ([`Block`]).
 
-use std::f32::consts::FRAC_1_PI;
-
-use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Mask, Wide};
 
 use super::bidirectional::{Bidirectional, ContributionSink, Pair};
-use super::connect::{Joiner, Selection};
-use super::fault::{Fault, is_seeded};
+use super::connect::{Joiner, keep};
+use super::connect_lanes::SpectrumLanes;
+use super::joint::{Joint, Joints, Kind, Label, Reach, connect, lobes_of, reach, reach_lobes};
 use super::light_end::LightStart;
-use super::vertex::{Trail, Vertex};
+use super::packets::{RayLanes, rows_of};
+use super::partners::{Block, BlockKind, Partners};
+use super::vertex::Vertex;
+use super::visibility::{Candidate, End, SHADOW_END, Way};
+use super::wave::lobes::Models;
 use crate::bsdf::Mode;
 use crate::color::{Spectra, Spectrum};
+use crate::lanes::lanes_of;
 use crate::scene::RayCounts;
 use crate::scene::description::Heuristic;
 
@@ -31,321 +33,301 @@ const BATCH: usize = 1024;
 /// The random numbers that select connections stand behind all those that a walk can use.
 const SELECTION_DIMENSION: u32 = 1 << 30;
 
-/// A vertex that reflects diffusely.
+/// The vertices of walks that are joined: those that wait in rows, and those of walks that went alone.
+#[derive(Clone, Copy)]
+pub struct Ends<'j, 'a> {
+    pub joints: &'j Joints,
+    pub alone: &'j [Vertex<'a>],
+}
+
+/// A connection that is to be looked at.
 #[derive(Clone, Copy, Debug)]
-struct Reflector {
-    position: Vec3,
-    /// The shading normal, on the side that the walk came from.
-    normal: Vec3,
-    geometric_normal: Vec3,
-    /// Throughput times albedo; of walks from a light over pi, and corrected for the shading normal.
-    flux: Spectrum,
-    /// r.
-    root: f32,
-}
-
-impl Reflector {
-    /// `None` of other vertices; without flux where the walk came from a side that reflects nothing.
-    #[inline]
-    fn new(vertex: &Vertex<'_>, mode: Mode, heuristic: Heuristic) -> Option<Self> {
-        let albedo = vertex.scatterer.lambert()?;
-        if is_seeded(Fault::Cosine) || is_seeded(Fault::ShadingNormal) {
-            return None;
-        }
-        let (normal, geometric_normal) = (vertex.scatterer.frame.normal, vertex.point.geometric_normal);
-        let cos = normal.dot(vertex.wo);
-        let lit = if cos > 0.0 { 1.0 } else { 0.0 };
-        let scale = match mode {
-            Mode::Radiance => lit,
-            // What `Vertex::adjoint_correction` leaves of the cosine at the shading normal.
-            Mode::Importance if normal == geometric_normal => lit * FRAC_1_PI,
-            Mode::Importance => {
-                let slope = cos / geometric_normal.dot(vertex.wo);
-                if slope.is_finite() { lit * slope.abs() * FRAC_1_PI } else { 0.0 }
-            }
-        };
-        let sum = vertex.others.sum(heuristic, 1.0, cos.max(0.0) * FRAC_1_PI);
-        let root = match heuristic {
-            Heuristic::Balance => sum,
-            Heuristic::Power => sum.sqrt(),
-        };
-        Some(Self {
-            position: vertex.point.position,
-            normal,
-            geometric_normal,
-            flux: vertex.throughput * albedo * scale,
-            root: root as f32,
-        })
-    }
-}
-
-/// Sixteen reflectors of walks from lights, a column a quantity: position, normal, geometric normal, flux, r, number of the vertex.
-#[derive(Clone, Debug)]
-struct Block {
-    columns: [Lanes<f32>; 15],
-    /// The vertices.
-    vertices: [u32; LANES],
-    len: usize,
-}
-
-impl Block {
-    const EMPTY: Self = Self { columns: [Lanes::splat(0.0); 15], vertices: [Trail::NONE; LANES], len: 0 };
-
-    fn push(&mut self, reflector: &Reflector, number: u32, vertex: u32) {
-        let Reflector { position: p, normal: n, geometric_normal: g, flux: Spectra(f), root } = *reflector;
-        let row = [p.x, p.y, p.z, n.x, n.y, n.z, g.x, g.y, g.z, f[0], f[1], f[2], f[3], root, number as f32];
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column.0[self.len] = value;
-        }
-        self.vertices[self.len] = vertex;
-        self.len += 1;
-    }
-
-    fn flux(&self, lane: usize) -> Spectrum {
-        Spectra(std::array::from_fn(|i| self.columns[9 + i].0[lane]))
-    }
-}
-
-/// A reflector of a walk from the eye and sixteen of walks from lights.
-struct Join<'j> {
-    eye: &'j Reflector,
-    block: &'j Block,
-    /// Surface vertices that the walks from lights may have.
-    longest: f32,
-    heuristic: Heuristic,
-}
-
-/// What comes of it.
-struct Joined {
-    /// Lanes that light goes along.
-    lit: u32,
-    /// Factor on the product of both fluxes.
-    factor: Lanes<f32>,
-    weight: Lanes<f32>,
-    /// The largest weighted value.
-    worth: Lanes<f32>,
-}
-
-impl Kernel for Join<'_> {
-    type Output = Joined;
-
-    #[inline(always)]
-    fn run<W: Wide>(self) -> Joined {
-        let splat = W::F32::splat;
-        let zero = splat(0.0);
-        let spread = |v: Vec3| Vector::new(splat(v.x), splat(v.y), splat(v.z));
-        let column = |i: usize| W::F32::load(&self.block.columns[i]);
-        let vector = |i: usize| Vector::new(column(i), column(i + 1), column(i + 2));
-        let eye = self.eye;
-        let along = vector(0) - spread(eye.position);
-        let per_area = splat(1.0) / along.dot(along);
-        let direction = along * per_area.sqrt();
-        let cos_eye = direction.dot(spread(eye.normal)).max(zero);
-        let cos_light = (zero - direction.dot(vector(3))).max(zero);
-        let geometric_eye = direction.dot(spread(eye.geometric_normal)).abs();
-        let geometric_light = direction.dot(vector(6)).abs();
-        let pdf_eye = cos_eye * splat(FRAC_1_PI);
-        let pdf_light = cos_light * splat(FRAC_1_PI);
-        let light = pdf_eye * geometric_light * per_area * column(13);
-        let eye_side = pdf_light * geometric_eye * per_area * splat(eye.root);
-        let (light, eye_side) = match self.heuristic {
-            Heuristic::Balance => (light, eye_side),
-            Heuristic::Power => (light * light, eye_side * eye_side),
-        };
-        let weight = splat(1.0) / (splat(1.0) + light + eye_side);
-        let possible = zero.lt(cos_light) & column(14).le(splat(self.longest));
-        let factor = (pdf_eye * geometric_light * per_area).select(possible, zero);
-        let flux = Spectra([column(9), column(10), column(11), column(12)])
-            * Spectra([
-                splat(eye.flux.0[0]),
-                splat(eye.flux.0[1]),
-                splat(eye.flux.0[2]),
-                splat(eye.flux.0[3]),
-            ]);
-        let worth = flux.max_element() * factor * weight;
-        Joined {
-            lit: zero.lt(worth).bits(),
-            factor: factor.to_lanes(),
-            weight: weight.to_lanes(),
-            worth: worth.to_lanes(),
-        }
-    }
-}
-
-/// The vertices of walks from the lights, for each group of pairs.
-#[derive(Debug, Default)]
-pub(super) struct Partners {
-    /// Where the vertices of each walk begin in `by_walk`.
-    first: Vec<u32>,
-    by_walk: Vec<u32>,
-    blocks: Vec<Block>,
-    others: Vec<u32>,
-    /// Where those of each group begin in `blocks` and in `others`.
-    groups: Vec<[u32; 2]>,
-    /// Pairs in a row, and groups of them.
-    row: usize,
-    groups_a_row: usize,
-}
-
-impl Partners {
-    /// From the vertices of the walks of some pairs, in rows.
-    fn gather(&mut self, light: &[Vertex<'_>], pairs: usize, row: usize, settings: &Bidirectional) {
-        self.sort(light, pairs);
-        let partners = settings.partners as usize;
-        (self.row, self.groups_a_row) = (row, row.div_ceil(partners));
-        self.blocks.clear();
-        self.others.clear();
-        self.groups.clear();
-        for first in (0..pairs).step_by(row) {
-            for group in 0..self.groups_a_row {
-                self.groups.push([self.blocks.len() as u32, self.others.len() as u32]);
-                let mut room = 0;
-                for partner in 0..partners {
-                    let walk = first + (group + partner * self.groups_a_row) % row;
-                    for i in self.first[walk]..self.first[walk + 1] {
-                        let index = self.by_walk[i as usize];
-                        let vertex = &light[index as usize];
-                        if vertex.number.saturating_add(2) > settings.max_depth {
-                            continue;
-                        }
-                        let Some(reflector) = Reflector::new(vertex, Mode::Importance, settings.heuristic)
-                        else {
-                            if vertex.scatterer.bsdf.connects() {
-                                self.others.push(index);
-                            }
-                            continue;
-                        };
-                        if reflector.flux.is_zero() {
-                            continue;
-                        }
-                        if room == 0 {
-                            self.blocks.push(Block::EMPTY);
-                            room = LANES;
-                        }
-                        if let Some(block) = self.blocks.last_mut() {
-                            block.push(&reflector, vertex.number, index);
-                            room -= 1;
-                        }
-                    }
-                }
-            }
-        }
-        self.groups.push([self.blocks.len() as u32, self.others.len() as u32]);
-    }
-
-    /// Puts the vertices of each walk together.
-    fn sort(&mut self, light: &[Vertex<'_>], walks: usize) {
-        self.first.clear();
-        self.first.resize(walks + 2, 0);
-        for vertex in light {
-            self.first[vertex.walk as usize + 2] += 1;
-        }
-        for i in 2..self.first.len() {
-            self.first[i] += self.first[i - 1];
-        }
-        self.by_walk.clear();
-        self.by_walk.resize(light.len(), 0);
-        for (i, vertex) in light.iter().enumerate() {
-            let to = &mut self.first[vertex.walk as usize + 1];
-            self.by_walk[*to as usize] = i as u32;
-            *to += 1;
-        }
-    }
-
-    /// What a pair is joined with: blocks of reflectors, and other vertices.
-    #[inline]
-    fn of(&self, pair: u32) -> (&[Block], &[u32]) {
-        let pair = pair as usize;
-        let group = pair / self.row * self.groups_a_row + pair % self.row % self.groups_a_row;
-        let ([block, other], [next_block, next_other]) = (self.groups[group], self.groups[group + 1]);
-        (&self.blocks[block as usize..next_block as usize], &self.others[other as usize..next_other as usize])
-    }
+pub struct Connection {
+    light: u32,
+    eye: u32,
+    value: Spectrum,
+    weight: f32,
 }
 
 impl<S: ContributionSink> Joiner<'_, '_, S> {
-    /// s, t >= 2: every vertex of the walks from the eye with every vertex of the walks from the lights of its group.
+    /// Every vertex of the walks from the eye with every vertex of the walks from the lights of its group.
     pub fn join(
         &mut self,
         partners: &mut Partners,
+        connections: &mut Vec<Connection>,
         row: usize,
-        light: &[Vertex<'_>],
-        eye: &[Vertex<'_>],
+        [light, eye]: [Ends<'_, '_>; 2],
         starts: &[Option<LightStart>],
         counts: &mut RayCounts,
     ) {
-        partners.gather(light, self.pairs.len(), row, self.settings);
-        for (i, z) in eye.iter().enumerate() {
-            // Edges are one more than surface vertices.
-            let longest = self.settings.max_depth.saturating_sub(z.number + 1);
-            let (blocks, others) = partners.of(z.walk);
-            if longest == 0 || (blocks.is_empty() && others.is_empty()) || !z.scatterer.bsdf.connects() {
-                continue;
-            }
-            let pair: &Pair = &self.pairs[z.walk as usize];
-            let mut selection = Selection::new(pair.expected, || {
-                pair.eye.at_dimension(SELECTION_DIMENSION + z.number).next_1d()
-            });
-            let trail = Trail::new(eye, i as u32);
-            match Reflector::new(z, Mode::Radiance, self.settings.heuristic) {
-                Some(reflector) => {
-                    if reflector.flux.is_zero() {
-                        continue;
-                    }
-                    for block in blocks {
-                        self.join_reflectors(&reflector, block, longest, trail, light, &mut selection);
-                    }
-                }
-                None => {
-                    for block in blocks {
-                        self.join_others(&block.vertices[..block.len], longest, trail, light, &mut selection);
-                    }
-                }
-            }
-            self.join_others(others, longest, trail, light, &mut selection);
-            if self.queue.len() >= BATCH {
-                self.flush(light, eye, starts, counts);
-            }
+        let settings = self.settings;
+        partners.gather(light.joints, self.pairs.len(), row, settings.partners as usize);
+        let mut next = 0;
+        while next < eye.joints.len() {
+            let pairs = self.pairs;
+            connections.clear();
+            next = wide::dispatch(Join { settings, pairs, partners, light, eye, next, connections });
+            wide::dispatch(Look { joiner: self, light: light.joints, eye: eye.joints, connections });
+            self.flush(light.alone, eye.alone, starts, counts);
         }
-        self.flush(light, eye, starts, counts);
     }
+}
 
-    fn join_reflectors(
-        &mut self,
-        reflector: &Reflector,
-        block: &Block,
-        longest: u32,
-        z: Trail<'_, '_>,
-        light: &[Vertex<'_>],
-        selection: &mut Selection,
-    ) {
-        let Bidirectional { heuristic, partners, .. } = *self.settings;
+/// Connects the vertices of walks from the eye, from a number on, until there is enough to be looked at; which is next.
+struct Join<'j, 'a> {
+    settings: &'j Bidirectional,
+    pairs: &'j [Pair],
+    partners: &'j Partners,
+    light: Ends<'j, 'a>,
+    eye: Ends<'j, 'a>,
+    next: usize,
+    connections: &'j mut Vec<Connection>,
+}
+
+impl Kernel for Join<'_, '_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<W: Wide>(self) -> usize {
+        let Bidirectional { heuristic, max_depth, partners, .. } = *self.settings;
         let share = 1.0 / partners as f32;
-        let joined = wide::dispatch(Join { eye: reflector, block, longest: longest as f32, heuristic });
-        for lane in (0..LANES).filter(|lane| joined.lit >> lane & 1 != 0) {
-            let Some(compensation) = selection.keep(joined.worth.0[lane] * share) else { continue };
-            let y = Trail::new(light, block.vertices[lane]);
-            let factor = joined.factor.0[lane] * share * compensation;
-            self.look(y, z, reflector.flux * block.flux(lane) * factor, joined.weight.0[lane]);
-        }
-    }
-
-    fn join_others(
-        &mut self,
-        vertices: &[u32],
-        longest: u32,
-        z: Trail<'_, '_>,
-        light: &[Vertex<'_>],
-        selection: &mut Selection,
-    ) {
-        let Some(at_eye) = z.last() else { return };
-        for &vertex in vertices {
-            let y = &light[vertex as usize];
-            if y.number > longest {
+        for (number, label) in self.eye.joints.labels.iter().enumerate().skip(self.next) {
+            if self.connections.len() >= BATCH {
+                return number;
+            }
+            let blocks = self.partners.of(label.walk);
+            // Edges are one more than surface vertices.
+            let longest = max_depth.saturating_sub(label.number + 1);
+            if blocks.is_empty() || longest == 0 {
                 continue;
             }
-            let Some((value, weight)) = self.connect(y, at_eye) else { continue };
-            let Some(compensation) = selection.keep((value * weight).max_element()) else { continue };
-            self.look(Trail::new(light, vertex), z, value * compensation, weight);
+            let pair: &Pair = &self.pairs[label.walk as usize];
+            let expected = W::F32::splat(pair.expected);
+            let mut u = pair.eye.at_dimension(SELECTION_DIMENSION + label.number).next_1d();
+            let eye = EyeEnd::<W>::new(&self.eye, number, label);
+            for block in blocks {
+                let joined = self.join_block::<W>(&eye, block, longest as f32, heuristic, share);
+                let Some(Joined { lit, value, weight }) = joined else { continue };
+                let (kept, compensation) = keep(expected, (value * weight).max_element(), strata::<W>(u));
+                u = fraction(u + GOLDEN_RATIO);
+                let kept = lit & kept;
+                if !kept.any() {
+                    continue;
+                }
+                let (value, weight) = (SpectrumLanes::new(value * compensation), weight.to_lanes());
+                for lane in lanes_of(kept.bits()) {
+                    self.connections.push(Connection {
+                        light: block.joints[lane],
+                        eye: number as u32,
+                        value: value.get(lane),
+                        weight: weight.0[lane],
+                    });
+                }
+            }
+        }
+        self.eye.joints.len()
+    }
+}
+
+/// A vertex of a walk from the eye, in all lanes.
+struct EyeEnd<'j, 'a, W: Wide> {
+    joint: Joint<W::F32>,
+    kind: EyeKind<'j, 'a, W>,
+}
+
+enum EyeKind<'j, 'a, W: Wide> {
+    Reflector,
+    Lobe { wo: Vector<W::F32>, material: [W::F32; LANES], models: Models },
+    General(&'j Vertex<'a>),
+}
+
+impl<'j, 'a, W: Wide> EyeEnd<'j, 'a, W> {
+    #[inline(always)]
+    fn new(ends: &Ends<'j, 'a>, number: usize, label: &Label) -> Self {
+        let kind = match label.kind {
+            Kind::Reflector => EyeKind::Reflector,
+            Kind::Lobe(model, lobe) => {
+                let [wo, material] = &ends.joints.lobes[lobe as usize];
+                let [x, y, z, ..] = spread::<W>(wo);
+                let (wo, material) = (Vector::new(x, y, z), spread::<W>(material));
+                EyeKind::Lobe { wo, material, models: Models::only(model) }
+            }
+            Kind::General => EyeKind::General(&ends.alone[label.vertex as usize]),
+        };
+        Self { joint: Joint::new(&spread::<W>(&ends.joints.rows[number])), kind }
+    }
+}
+
+/// Each element of a row in all lanes.
+#[inline(always)]
+fn spread<W: Wide>(Lanes(row): &Lanes<f32>) -> [W::F32; LANES] {
+    let mut out = [W::F32::splat(0.0); LANES];
+    for i in 0..LANES {
+        out[i] = W::F32::splat(row[i]);
+    }
+    out
+}
+
+/// Columns in registers.
+#[inline(always)]
+fn load<W: Wide>(columns: &[Lanes<f32>; LANES]) -> [W::F32; LANES] {
+    let mut out = [W::F32::splat(0.0); LANES];
+    for i in 0..LANES {
+        out[i] = W::F32::load(&columns[i]);
+    }
+    out
+}
+
+/// Steps of this part of one fill it evenly.
+const GOLDEN_RATIO: f32 = 0.618_034;
+
+fn fraction(x: f32) -> f32 {
+    x - x.floor()
+}
+
+/// Uniform numbers, one in each sixteenth: of connections that are looked at with the same probability, nearly the same number always is.
+#[inline(always)]
+fn strata<W: Wide>(u: f32) -> W::F32 {
+    let one = W::F32::splat(1.0);
+    let shifted = W::F32::splat(u) + W::F32::load(&SIXTEENTHS);
+    let wrapped = shifted - one;
+    wrapped.select(one.le(shifted), shifted)
+}
+
+/// In an order in which neighbours are far from each other.
+static SIXTEENTHS: Lanes<f32> = Lanes([
+    0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875, 0.0625, 0.5625, 0.3125, 0.8125, 0.1875, 0.6875, 0.4375,
+    0.9375,
+]);
+
+/// What comes of sixteen connections.
+struct Joined<W: Wide> {
+    /// Where light goes along.
+    lit: W::Mask,
+    value: Spectra<W::F32>,
+    weight: W::F32,
+}
+
+impl Join<'_, '_> {
+    #[inline(always)]
+    fn join_block<W: Wide>(
+        &self,
+        eye: &EyeEnd<'_, '_, W>,
+        block: &Block,
+        longest: f32,
+        heuristic: Heuristic,
+        share: f32,
+    ) -> Option<Joined<W>> {
+        let splat = W::F32::splat;
+        let light = Joint::new(&load::<W>(&block.columns));
+        let along = light.point.position - eye.joint.point.position;
+        let per_area = splat(1.0) / along.length_squared();
+        let direction = along * per_area.sqrt();
+        let mut possible = W::F32::load(&block.numbers).le(splat(longest));
+        // All but general vertices reflect on the side of their normals alone.
+        let zero = splat(0.0);
+        if !matches!(eye.kind, EyeKind::General(_)) {
+            possible = possible & zero.lt(eye.joint.normal.dot(direction));
+        }
+        if !matches!(block.kind, BlockKind::General) {
+            possible = possible & light.normal.dot(direction).lt(zero);
+        }
+        if !possible.any() {
+            return None;
+        }
+        let at_eye = match &eye.kind {
+            EyeKind::Reflector => eye.joint.reflect(direction, Mode::Radiance),
+            EyeKind::Lobe { wo, material, models } => {
+                let lobes = lobes_of::<W>(&eye.joint, *wo, *material, *models, Mode::Radiance);
+                reach_lobes(&eye.joint, &lobes, direction, heuristic)
+            }
+            EyeKind::General(vertex) => one_by_one::<W>(direction, possible.bits(), |_, direction| {
+                reach(vertex, direction, Mode::Radiance, heuristic)
+            }),
+        };
+        let back = -direction;
+        let at_light = match block.kind {
+            BlockKind::Reflectors => light.reflect(back, Mode::Importance),
+            BlockKind::Lobes(models, number) => {
+                let [wo, material] = self.partners.lobes(number);
+                let [x, y, z, ..] = load::<W>(wo);
+                let (wo, material) = (Vector::new(x, y, z), load::<W>(material));
+                let lobes = lobes_of::<W>(&light, wo, material, models, Mode::Importance);
+                reach_lobes(&light, &lobes, back, heuristic)
+            }
+            BlockKind::General => one_by_one::<W>(back, possible.bits(), |lane, direction| {
+                let label = &self.light.joints.labels[block.joints[lane] as usize];
+                reach(&self.light.alone[label.vertex as usize], direction, Mode::Importance, heuristic)
+            }),
+        };
+        let (value, weight) = connect(heuristic, &at_light, &at_eye, per_area);
+        let value = value * splat(share);
+        Some(Joined { lit: possible & value.is_lit(), value, weight })
+    }
+}
+
+/// What is found lane by lane.
+#[inline(always)]
+fn one_by_one<W: Wide>(
+    direction: Vector<W::F32>,
+    lanes: u32,
+    reach: impl Fn(usize, Vector<f32>) -> Reach<f32>,
+) -> Reach<W::F32> {
+    let [x, y, z] = [direction.x.to_lanes(), direction.y.to_lanes(), direction.z.to_lanes()];
+    let mut columns = [Lanes::splat(0.0); 7];
+    for lane in lanes_of(lanes) {
+        let Reach { value: Spectra([a, b, c, d]), pdf, cos, root } =
+            reach(lane, Vector::new(x.0[lane], y.0[lane], z.0[lane]));
+        for (column, value) in columns.iter_mut().zip([a, b, c, d, pdf, cos, root]) {
+            column.0[lane] = value;
+        }
+    }
+    let load = W::F32::load;
+    let [a, b, c, d, pdf, cos, root] = &columns;
+    Reach {
+        value: Spectra([load(a), load(b), load(c), load(d)]),
+        pdf: load(pdf),
+        cos: load(cos),
+        root: load(root),
+    }
+}
+
+/// Lets connections wait for their shadow rays.
+struct Look<'l, 'p, 'a, S> {
+    joiner: &'l mut Joiner<'p, 'a, S>,
+    light: &'l Joints,
+    eye: &'l Joints,
+    connections: &'l [Connection],
+}
+
+impl<S: ContributionSink> Kernel for Look<'_, '_, '_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let Self { joiner, light, eye, connections } = self;
+        let mut numbers = [[0; LANES]; 2];
+        for connections in connections.chunks(LANES) {
+            let mut time = Lanes::splat(0.0);
+            for (lane, connection) in connections.iter().enumerate() {
+                (numbers[0][lane], numbers[1][lane]) = (connection.light, connection.eye);
+                time.0[lane] = joiner.pair(eye.labels[connection.eye as usize].walk).ray.time;
+            }
+            let count = connections.len();
+            let y = Joint::new(&W::F32::columns(&rows_of(&numbers[0][..count], |i| &light.rows[i])));
+            let z = Joint::new(&W::F32::columns(&rows_of(&numbers[1][..count], |i| &eye.rows[i])));
+            let [origin, direction] = z.point.toward(&y.point);
+            let (tnear, tfar) = (W::F32::splat(0.0), W::F32::splat(1.0 - SHADOW_END));
+            let rays = RayLanes::<W> { origin, direction, tnear, tfar, time: W::F32::load(&time) };
+            let pairs = joiner.pairs;
+            joiner.queue.append(&rays, W::Mask::from_bits((1 << count) - 1), |queue, lane| {
+                let Connection { light: y, eye: z, value, weight } = connections[lane];
+                let (y, z) = (&light.labels[y as usize], &eye.labels[z as usize]);
+                let lens = || pairs[z.walk as usize].ray.origin;
+                let way = || Way { lens: lens(), end: End::Start(y.walk), light: y.vertex, eye: z.vertex };
+                let way = S::ROUTES.then(|| queue.keep(way()));
+                Candidate { sample: z.walk, s: y.number + 1, t: z.number + 1, film: None, value, weight, way }
+            });
         }
     }
 }

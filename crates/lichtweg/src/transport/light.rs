@@ -11,11 +11,11 @@ use super::WalkCounts;
 use super::bidirectional::{Bidirectional, Contribution, ContributionSink, END_DIMENSION, Pair, Workspace};
 use super::connect::Joiner;
 use super::sensor::Sensor;
-use super::vertex::{Trail, Vertex};
+use super::vertex::{Departure, Trail, Vertex};
 use super::walk::{Crowd, Survival, Walk, WalkVisitor};
 use crate::bsdf::Mode;
+use crate::scene::Scene;
 use crate::scene::description::{Heuristic, IntegratorDescription};
-use crate::scene::{Scene, SurfacePoint};
 
 /// Light tracing.
 #[derive(Clone, Copy, Debug)]
@@ -27,12 +27,8 @@ pub struct LightTracer {
 struct Watched<'j, 'p, 'a, S>(&'j mut Joiner<'p, 'a, S>);
 
 impl<S: ContributionSink> WalkVisitor for Watched<'_, '_, '_, S> {
-    fn first_link(&mut self, _: u32, _: &SurfacePoint) -> f64 {
-        0.0
-    }
-
     #[inline]
-    fn arrives(&mut self, trail: Trail<'_, '_>, sampler: &mut Sampler) {
+    fn arrives(&mut self, _: &Departure, trail: Trail<'_, '_>, sampler: &mut Sampler) {
         self.0.connect_to_lens(trail, sampler);
     }
 }

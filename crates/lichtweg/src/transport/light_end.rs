@@ -5,8 +5,8 @@ use lichtweg_ray::Ray;
 use lichtweg_ray::math::Vec3;
 
 use super::fault::{Fault, is_seeded};
-use super::mis::raise;
-use super::vertex::{Departure, Vertex};
+use super::mis::norm;
+use super::vertex::{Departure, Others, Vertex};
 use crate::light::{Emission, EmissionDensity, LightChoice, LightSample, Receiver};
 use crate::scene::description::Heuristic;
 use crate::scene::{Scene, SurfacePoint};
@@ -77,7 +77,7 @@ impl LightStart {
     }
 
     /// The walk that begins so; `once` is c of the strategy in which the eye runs into the light.
-    pub fn depart(&self, time: f32, heuristic: Heuristic, once: f64) -> Departure {
+    pub fn depart(&self, time: f32, once: f32) -> Departure {
         let ray = Ray { time, ..self.emission.ray };
         Departure {
             ray,
@@ -87,62 +87,52 @@ impl LightStart {
             cos: self.end.cos(),
             infinite: self.end.position.is_none(),
             link: 1.0,
-            chain: if self.delta { 0.0 } else { once / raise(heuristic, self.pdf) },
+            chain: if self.delta { 0.0 } else { once / self.pdf },
+            normal: Vec3::ZERO,
         }
     }
 
     /// c of the walk's first surface vertex: the density with which a connection from it chooses this point on the light over
-    /// that with which the walk did, in the heuristic.
-    pub fn first_link(&self, receiver: &SurfacePoint, scene: &Scene, heuristic: Heuristic) -> f64 {
+    /// that with which the walk did.
+    pub fn first_link(&self, receiver: &Receiver, scene: &Scene) -> f32 {
+        if is_seeded(Fault::LightChoice) {
+            return 1.0;
+        }
         let connection = match self.emission.point {
             Some(on_light) => connection_pdf_area(scene, self.end.light, receiver, &on_light),
             None => {
-                let to = Receiver::open(receiver.position);
-                let probability = scene.selection().probability(&to, self.end.light, 0);
+                let probability = scene.selection().probability(receiver, self.end.light, 0);
                 // A point has no density; directions are chosen alike by both.
                 probability * self.emission.density.start
             }
         };
-        if is_seeded(Fault::LightChoice) {
-            return 1.0;
-        }
-        raise(heuristic, connection / self.pdf)
+        connection / self.pdf
     }
 }
 
-/// Density per area with which a connection from a surface point chooses a point on an area light.
-pub fn connection_pdf_area(
-    scene: &Scene,
-    light: u32,
-    receiver: &SurfacePoint,
-    on_light: &SurfacePoint,
-) -> f32 {
+/// Density per area with which a connection from a receiver chooses a point on an area light.
+pub fn connection_pdf_area(scene: &Scene, light: u32, receiver: &Receiver, on_light: &SurfacePoint) -> f32 {
     let Some((_, area_light)) = scene.area_light(on_light) else { return 0.0 };
-    let along = on_light.position - receiver.position;
-    let distance_squared = along.length_squared();
-    let direction = along / distance_squared.sqrt();
-    let pdf = area_light.pdf(receiver.position, on_light, direction, scene.form(on_light.shape));
-    let cos = on_light.geometric_normal.dot(direction).abs();
-    let to = Receiver::open(receiver.position);
-    scene.selection().probability(&to, light, on_light.primitive) * pdf * cos / distance_squared
+    let pdf = area_light.connection_pdf_area(receiver.position, on_light, scene.form(on_light.shape));
+    scene.selection().probability(receiver, light, on_light.primitive) * pdf
 }
 
-/// Sum over all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`; `once` is c of the
+/// Stands for all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`; `once` is c of the
 /// strategy that connects the two.
 pub fn others_of_hit(
     scene: &Scene,
     light: u32,
     vertex: &Vertex<'_>,
-    receiver: &SurfacePoint,
+    receiver: &Receiver,
     heuristic: Heuristic,
-    once: f64,
-) -> f64 {
+    once: f32,
+) -> f32 {
     let Some((_, area_light)) = scene.area_light(&vertex.point) else { return 0.0 };
     let connection = connection_pdf_area(scene, light, receiver, &vertex.point);
     let emission = area_light.emission_density(&vertex.point, vertex.wo, scene);
     let start = scene.selection().emitter_probability(light) * emission.start;
-    once * raise(heuristic, connection) * vertex.others.connected
-        + raise(heuristic, start) * raise(heuristic, emission.leaving) * vertex.others.shorter
+    let Others { connected, shorter } = vertex.others;
+    norm(heuristic, once * connection * connected, start * emission.leaving * shorter)
 }
 
 /// The same for a path that left the scene towards a light around it.
@@ -152,14 +142,14 @@ pub fn others_of_escape(
     departure: &Departure,
     pdf_direction: f32,
     heuristic: Heuristic,
-    once: f64,
-) -> f64 {
-    let others = departure.arrive(heuristic, 1.0, departure.cos);
+    once: f32,
+) -> f32 {
+    let Others { connected, shorter } = departure.arrive(1.0, departure.cos);
     let selection = scene.selection();
-    let connection = selection.probability(&Receiver::open(departure.position), light, 0) * pdf_direction;
+    let connection = selection.probability(&departure.receiver(), light, 0) * pdf_direction;
     let start = selection.emitter_probability(light) * pdf_direction;
-    once * raise(heuristic, connection) * others.connected
-        + raise(heuristic, start) * raise(heuristic, scene.surroundings().disk_pdf()) * others.shorter
+    let leaving = scene.surroundings().disk_pdf();
+    norm(heuristic, once * connection * connected, start * leaving * shorter)
 }
 
 /// A point on a light that a vertex of a walk from the eye was connected to.
@@ -173,20 +163,31 @@ pub struct NextEvent {
     pub emission: EmissionDensity,
     /// Where.
     pub end: LightEnd,
-    /// The square of the distance; 1 for a light infinitely far.
-    distance_squared: f32,
+    /// See [`spread`].
+    spread: f32,
+}
+
+/// What makes a density per solid angle at a receiver one of the walk from the light: |cos| at a point of a shape, else the square of the
+/// distance; 1 for a light infinitely far.
+#[inline]
+pub fn spread(sample: &LightSample, point: Option<&SurfacePoint>, receiver: Vec3) -> f32 {
+    match (point, sample.target) {
+        (Some(point), _) => point.geometric_normal.dot(sample.direction).abs(),
+        (None, Some(target)) => (target - receiver).length_squared(),
+        (None, None) => 1.0,
+    }
 }
 
 impl NextEvent {
-    /// Chooses a light for a receiver, and a point on it.
-    pub fn sample(scene: &Scene, receiver: Vec3, sampler: &mut Sampler) -> Option<Self> {
-        let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-        let choice = scene.selection().sample(&Receiver::open(receiver), u_light)?;
+    /// Chooses a light for a receiver by a uniform number, and a point on it by two.
+    pub fn sample(scene: &Scene, receiver: &Receiver, u_light: f32, u: [f32; 2]) -> Option<Self> {
+        let choice = scene.selection().sample(receiver, u_light)?;
         let LightChoice { light: index, triangle, probability } = choice;
+        let from = receiver.position;
         let light = &scene.lights()[index as usize];
-        let (sample, point) = light.sample_part(receiver, triangle, u, scene)?;
+        let (sample, point) = light.sample_part(from, triangle, u, scene)?;
         let emission = light.emission_density(&sample, point.as_ref(), scene);
-        let position = point.map(|p| p.position).or(sample.target).unwrap_or(receiver);
+        let position = point.map(|p| p.position).or(sample.target).unwrap_or(from);
         let end = LightEnd::new(scene, index, position, point, -sample.direction);
         Some(Self {
             sample,
@@ -196,7 +197,7 @@ impl NextEvent {
                 ..emission
             },
             end,
-            distance_squared: end.position.map_or(1.0, |p| (p - receiver).length_squared()),
+            spread: spread(&sample, point.as_ref(), from),
         })
     }
 
@@ -208,11 +209,6 @@ impl NextEvent {
     /// How many times more densely walks from the light make both its point and a receiver at an angle to them whose cosine is
     /// given, than connections choose the point: per area at the receiver.
     pub fn emission_over_connection(&self, cos_receiver: f32) -> f32 {
-        let emission = self.emission.start * self.emission.leaving * cos_receiver;
-        match self.end.point {
-            // The quotient of cos / d^2 at the receiver and cos / d^2 at the light.
-            Some(_) => emission / (self.pdf() * self.end.cos()),
-            None => emission / (self.pdf() * self.distance_squared),
-        }
+        self.emission.start * self.emission.leaving * cos_receiver / (self.pdf() * self.spread)
     }
 }

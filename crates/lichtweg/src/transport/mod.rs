@@ -2,31 +2,37 @@
 
 mod bidirectional;
 mod connect;
+mod connect_lanes;
 mod explicit;
 mod fault;
 mod join;
+mod joint;
 mod light;
 mod light_end;
 mod mis;
 mod observer;
 mod packets;
+mod partners;
 mod path;
 #[cfg(test)]
 mod proof;
 mod sensor;
+mod traveller;
 mod vertex;
+mod vertex_lanes;
 mod visibility;
 mod walk;
 mod wave;
 
-pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Pair, Workspace};
+pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Pair, Route, Workspace};
 pub use explicit::{ExplicitPath, PathStrategy, PathVertex, VertexKind};
 pub use light::{LightTracer, walk_analog};
 pub use light_end::{LightEnd, LightStart};
 pub use observer::PathObserver;
 pub use path::{PathTracer, WalkCounts};
 pub use sensor::{Expectation, Look, Sensor};
+pub use traveller::Traveller;
 pub use vertex::{Departure, Onward, Others, Scattering, Trail, Vertex};
-pub use walk::{Crowd, Survival, Traveller, Walk, WalkVisitor};
+pub use walk::{Crowd, Survival, Walk, WalkVisitor};
 pub(crate) use wave::Draws;
 pub use wave::Wave;

@@ -1,11 +1,79 @@
-//! Many rays, traced sixteen at a time: those that go the same way together.
+//! Many rays, a row of memory each, traced sixteen at a time: those that go the same way together.
 
-use lichtweg_ray::math::Vec3;
-use lichtweg_ray::wide::LANES;
-use lichtweg_ray::{Hit, Ray, RayPacket};
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
+use lichtweg_ray::{Ray, RayPacket};
 
 use super::wave::queue::{BUCKETS, bucket};
 use crate::scene::{RayCounts, Scene};
+
+/// A row that means nothing.
+pub static NO_ROW: Row = Lanes([0.0; LANES]);
+
+/// Elements of a row that are those of a ray: origin, direction, ends, time.
+pub const RAY: usize = 9;
+
+/// A ray as a row, whose other elements are free.
+#[inline]
+pub fn ray_row(ray: &Ray) -> Row {
+    let (o, d) = (ray.origin, ray.direction);
+    let mut row = NO_ROW;
+    row.0[..RAY].copy_from_slice(&[o.x, o.y, o.z, d.x, d.y, d.z, ray.tnear, ray.tfar, ray.time]);
+    row
+}
+
+/// The ray of a row.
+#[inline]
+pub fn row_ray(Lanes(r): &Row) -> Ray {
+    let vector = |i: usize| Vec3::new(r[i], r[i + 1], r[i + 2]);
+    Ray::new(vector(0), vector(3)).between(r[6], r[7]).at_time(r[8])
+}
+
+/// Sixteen rays in registers.
+#[derive(Clone, Copy)]
+pub struct RayLanes<W: Wide> {
+    pub origin: Vector<W::F32>,
+    pub direction: Vector<W::F32>,
+    pub tnear: W::F32,
+    pub tfar: W::F32,
+    pub time: W::F32,
+}
+
+impl<W: Wide> RayLanes<W> {
+    /// From the columns of rows.
+    #[inline(always)]
+    pub fn new(c: &[W::F32; LANES]) -> Self {
+        Self {
+            origin: Vector::new(c[0], c[1], c[2]),
+            direction: Vector::new(c[3], c[4], c[5]),
+            tnear: c[6],
+            tfar: c[7],
+            time: c[8],
+        }
+    }
+
+    /// As columns, with what else the rows shall hold.
+    #[inline(always)]
+    pub fn columns(&self, rest: [W::F32; LANES - RAY]) -> [W::F32; LANES] {
+        let (o, d) = (self.origin, self.direction);
+        let [a, b, c, e, f, g, h] = rest;
+        [o.x, o.y, o.z, d.x, d.y, d.z, self.tnear, self.tfar, self.time, a, b, c, e, f, g, h]
+    }
+
+    /// As the ray engine takes them.
+    #[inline(always)]
+    pub fn packet(&self) -> RayPacket {
+        let (o, d) = (self.origin, self.direction);
+        RayPacket {
+            origin: [o.x.to_lanes(), o.y.to_lanes(), o.z.to_lanes()],
+            direction: [d.x.to_lanes(), d.y.to_lanes(), d.z.to_lanes()],
+            tnear: self.tnear.to_lanes(),
+            tfar: self.tfar.to_lanes(),
+            time: self.time.to_lanes(),
+            ..RayPacket::default()
+        }
+    }
+}
 
 /// Rays by direction.
 #[derive(Debug, Default)]
@@ -34,52 +102,67 @@ impl Order {
             *to += 1;
         }
     }
+
+    /// Sorts rays by rows.
+    pub fn sort_rows<'r>(&mut self, rows: impl ExactSizeIterator<Item = &'r Row>) {
+        self.sort(rows.map(|Lanes(r)| Vec3::new(r[3], r[4], r[5])));
+    }
+
+    /// The numbers of rays that go together.
+    pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        self.order.chunks(LANES)
+    }
 }
 
-/// The nearest hits of rays, in some order; `each` is told the number of the ray, the ray and its hit.
-#[inline]
-pub fn closest(
-    scene: &Scene,
-    order: &Order,
-    ray: impl Fn(usize) -> Ray,
-    mut each: impl FnMut(usize, &Ray, Option<Hit>),
-) {
-    let mut packet = RayPacket::default();
-    for numbers in order.order.chunks(LANES) {
-        for (lane, &number) in numbers.iter().enumerate() {
-            packet.set(lane, &ray(number as usize));
-        }
-        let hits = scene.accel().closest_packet(&packet, (1 << numbers.len()) - 1);
-        for (lane, &number) in numbers.iter().enumerate() {
-            each(number as usize, &packet.get(lane), hits.get(lane));
-        }
+/// The rows of a group; those behind its end mean nothing.
+#[inline(always)]
+pub fn rows_of<'r>(numbers: &[u32], row: impl Fn(usize) -> &'r Row) -> [&'r Row; LANES] {
+    let mut rows = [&NO_ROW; LANES];
+    for (to, &number) in rows.iter_mut().zip(numbers) {
+        *to = row(number as usize);
     }
+    rows
 }
 
 /// The fraction of light that passes along each ray.
 pub fn transmittance(
     scene: &Scene,
-    rays: &[Ray],
+    rays: &[Row],
     order: &mut Order,
     counts: &mut RayCounts,
     out: &mut Vec<f32>,
 ) {
     out.clear();
     if scene.has_holes() {
-        out.extend(rays.iter().map(|ray| scene.transmittance(ray, counts)));
+        out.extend(rays.iter().map(|row| scene.transmittance(&row_ray(row), counts)));
         return;
     }
     counts.occlusion += rays.len() as u64;
     out.resize(rays.len(), 0.0);
-    order.sort(rays.iter().map(|ray| ray.direction));
-    let mut packet = RayPacket::default();
-    for numbers in order.order.chunks(LANES) {
-        for (lane, &number) in numbers.iter().enumerate() {
-            packet.set(lane, &rays[number as usize]);
-        }
-        let occluded = scene.accel().occluded_packet(&packet, (1 << numbers.len()) - 1);
-        for (lane, &number) in numbers.iter().enumerate() {
-            out[number as usize] = if occluded >> lane & 1 == 0 { 1.0 } else { 0.0 };
+    order.sort_rows(rays.iter());
+    wide::dispatch(Shadows { scene, rays, order, out });
+}
+
+/// Rays that nothing passes in part.
+struct Shadows<'s> {
+    scene: &'s Scene,
+    rays: &'s [Row],
+    order: &'s Order,
+    out: &'s mut [f32],
+}
+
+impl Kernel for Shadows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        for numbers in self.order.groups() {
+            let rows = rows_of(numbers, |i| &self.rays[i]);
+            let packet = RayLanes::<W>::new(&W::F32::columns(&rows)).packet();
+            let occluded = self.scene.accel().occluded_packet(&packet, (1 << numbers.len()) - 1);
+            for (lane, &number) in numbers.iter().enumerate() {
+                self.out[number as usize] = if occluded >> lane & 1 == 0 { 1.0 } else { 0.0 };
+            }
         }
     }
 }

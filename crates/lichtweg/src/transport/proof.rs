@@ -126,6 +126,7 @@ struct ByDefinition<'p> {
 
 impl ContributionSink for ByDefinition<'_> {
     const UNWEIGHTED: bool = true;
+    const ROUTES: bool = true;
 
     fn add(&mut self, contribution: &Contribution<'_, '_>) {
         let Contribution { s, t, value, weight, .. } = *contribution;
@@ -190,14 +191,68 @@ fn paths_are_what_their_factors_say() {
 /// A path: strategy, place, value and weight.
 type Made = (u32, u32, Option<[f32; 2]>, [f32; 3], f32);
 
-/// The paths of each pair.
-struct Lists(Vec<Vec<Made>>);
+/// The paths of each pair; `ALONE` makes every walk go alone.
+struct Lists<const ALONE: bool>(Vec<Vec<Made>>);
 
-impl ContributionSink for Lists {
+impl<const ALONE: bool> ContributionSink for Lists<ALONE> {
     const UNWEIGHTED: bool = true;
+    const ROUTES: bool = ALONE;
 
     fn add(&mut self, c: &Contribution<'_, '_>) {
         self.0[c.sample as usize].push((c.s, c.t, c.film, c.value.to_rgb(), c.weight));
+    }
+}
+
+/// The paths of some pairs, in rows; each pair's in an order of their own.
+fn lists<const ALONE: bool>(d: &Description, pairs: &[Pair], row: usize, partners: u32) -> Vec<Vec<Made>> {
+    let scene = compile_scene(d);
+    let (camera, size) = sensor_camera(d);
+    let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
+    let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
+    let mut lists = Lists::<ALONE>(vec![Vec::new(); pairs.len()]);
+    let sensor = sensor(&camera, size);
+    tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut lists);
+    lists.0.iter_mut().for_each(|list| list.sort_by(|a, b| a.partial_cmp(b).expect("no NaN")));
+    lists.0
+}
+
+/// A room of surfaces that go in lanes, and with some that do not.
+fn lobes() -> Description {
+    let mut d = room(1);
+    d.integrator.max_depth = Some(6);
+    let [beckmann, ggx] =
+        [MicrofacetKind::Beckmann, MicrofacetKind::Ggx].map(|kind| d.material(metal(rough(kind, 0.3, 0.3))));
+    add_ball(&mut d, ggx);
+    add_block(&mut d, beckmann);
+    let sides = d.two_sided(beckmann);
+    let wavy = grid(6, |x, y| Vec3::new(x, y, 0.15 * (4.0 * x).sin() * (3.0 * y).cos()), true);
+    d.shape(wavy, placed([-0.2, 0.1, 0.5], [0.4, 0.4, 0.4]), sides);
+    let coated = d.material(plastic([0.2, 0.4, 0.7], None));
+    d.shape(SPHERE, placed([0.3, 0.3, 0.4], [0.25; 3]), coated);
+    d
+}
+
+/// Walks in lanes bring what walks bring that go alone, to the bit: the one is written for sixteen lanes, the other for one.
+#[test]
+fn lanes_bring_what_walks_bring_alone() {
+    for (mut d, heuristic) in [
+        (lobes(), Heuristic::Power),
+        (lobes(), Heuristic::Balance),
+        (everything(0.0), Heuristic::Power),
+        (everything(0.2), Heuristic::Power),
+    ] {
+        d.integrator.heuristic = heuristic;
+        let (camera, _) = sensor_camera(&d);
+        let pairs = pairs(&d, &camera, 0);
+        let (lanes, alone) = (lists::<false>(&d, &pairs, 32, 3), lists::<true>(&d, &pairs, 32, 3));
+        let paths: usize = alone.iter().map(Vec::len).sum();
+        assert!(paths > 2000, "{paths}");
+        for (i, (lanes, alone)) in lanes.iter().zip(&alone).enumerate() {
+            assert_eq!(lanes.len(), alone.len(), "pair {i}: {lanes:?} {alone:?}");
+            for (a, b) in lanes.iter().zip(alone) {
+                assert_eq!(a, b, "pair {i}");
+            }
+        }
     }
 }
 
@@ -217,7 +272,7 @@ fn pairs_go_together_as_they_go_alone() {
     for (partners, row) in [(1, 1), (3, 32)] {
         let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
         let mut follow = |pairs: &[Pair]| {
-            let mut lists = Lists(vec![Vec::new(); pairs.len()]);
+            let mut lists = Lists::<false>(vec![Vec::new(); pairs.len()]);
             tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut lists);
             lists.0
         };

@@ -1,16 +1,15 @@
 //! The eye as an end of walks from the lights.
 
 use lichtweg_ray::Ray;
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::Float;
 
 use super::fault::{Fault, is_seeded};
-use super::mis::raise;
 use super::vertex::Departure;
-use super::visibility::SHADOW_END;
+use super::visibility::{SHADOW_END, ShadowPoint};
 use crate::camera::{Camera, View};
 use crate::color::Spectrum;
 use crate::scene::SurfacePoint;
-use crate::scene::description::Heuristic;
 
 /// A camera, and how densely its film is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -49,22 +48,22 @@ impl Expectation {
     }
 }
 
-/// A point on the lens that looks at something.
+/// A point on the lens that looks at something. Or as many as `F` has lanes.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct Look<F = f32> {
     /// The point on the lens.
-    pub lens: Vec3,
+    pub lens: Vector<F>,
     /// Unit direction to it.
-    pub to_lens: Vec3,
+    pub to_lens: Vector<F>,
     /// Where it is seen.
-    pub film: [f32; 2],
+    pub film: [F; 2],
     /// Density per solid angle with which walks from the eye go from this point of the lens in this direction. It is the
     /// importance We cos over the density of the lens point, too.
-    pub pdf: f32,
+    pub pdf: F,
     /// Cosine to the axis.
-    pub cos: f32,
+    pub cos: F,
     /// Distances between which the camera sees.
-    clip: [f32; 2],
+    clip: [F; 2],
 }
 
 impl<'a> Sensor<'a> {
@@ -106,7 +105,7 @@ impl<'a> Sensor<'a> {
     }
 
     /// A walk from the eye along a camera ray; `once` is c of the strategies in which the light finds the lens.
-    pub fn depart(&self, ray: Ray, heuristic: Heuristic, once: f64) -> Departure {
+    pub fn depart(&self, ray: Ray, once: f32) -> Departure {
         let cos = ray.direction.dot(self.camera.forward());
         let view = self.camera.view(ray.origin, ray.direction);
         Departure {
@@ -119,48 +118,74 @@ impl<'a> Sensor<'a> {
             infinite: false,
             link: once,
             // c of the strategy in which the light walks into the lens.
-            chain: self.camera.lens_pdf().map_or(0.0, |pdf| once / raise(heuristic, pdf)),
+            chain: self.camera.lens_pdf().map_or(0.0, |pdf| once / pdf),
+            normal: Vec3::ZERO,
         }
     }
 
     /// Density per solid angle of walks from the eye.
-    fn pdf(&self, view: &View) -> f32 {
-        if is_seeded(Fault::Importance) {
-            return self.film_pdf * view.film_per_solid_angle * view.cos * view.cos * view.cos;
-        }
-        self.film_pdf * view.film_per_solid_angle
+    #[inline(always)]
+    fn pdf<F: Float>(&self, view: &View<F>) -> F {
+        let pdf = F::splat(self.film_pdf) * view.film_per_solid_angle;
+        if is_seeded(Fault::Importance) { pdf * view.cos * view.cos * view.cos } else { pdf }
     }
 
     /// How a point of the lens looks in a direction; `None` where that is behind it or off the film.
     pub fn look(&self, lens: Vec3, direction: Vec3) -> Option<Look> {
-        let view = self.camera.view(lens, direction)?;
+        let (look, seen) = self.looks(lens, direction);
+        seen.then_some(look)
+    }
+
+    /// [`Sensor::look`] of a camera that does not move, at any width, and where there is something to see.
+    #[inline(always)]
+    fn looks<F: Float>(&self, lens: Vector<F>, direction: Vector<F>) -> (Look<F>, F::Mask) {
+        let view = self.camera.views(lens, direction);
+        let splat = F::splat;
         let [from, to] = self.reach;
-        let inside = (0..2).all(|i| view.film[i] >= from[i] && view.film[i] < to[i]);
-        inside.then(|| Look {
+        let [x, y] = view.film;
+        let inside = x.ge(splat(from[0])) & x.lt(splat(to[0])) & y.ge(splat(from[1])) & y.lt(splat(to[1]));
+        let look = Look {
             lens,
             to_lens: -direction,
             film: view.film,
             pdf: self.pdf(&view),
             cos: view.cos,
             clip: self.camera.clip(view.cos),
-        })
+        };
+        (look, inside & splat(0.0).lt(view.cos))
     }
 
     /// The look from a point of the lens at a point in space, and the square of the distance.
     pub fn look_at(&self, lens: Vec3, position: Vec3) -> Option<(Look, f32)> {
+        let (look, distance_squared, seen) = self.looks_at(lens, position);
+        seen.then_some((look, distance_squared))
+    }
+
+    /// [`Sensor::look_at`] of a camera that does not move, at any width, and where there is something to see.
+    #[inline(always)]
+    pub(super) fn looks_at<F: Float>(&self, lens: Vector<F>, position: Vector<F>) -> (Look<F>, F, F::Mask) {
         let along = position - lens;
         let distance_squared = along.length_squared();
         let distance = distance_squared.sqrt();
-        let look = self.look(lens, along / distance)?;
-        (distance > look.clip[0] && distance <= look.clip[1]).then_some((look, distance_squared))
+        let (look, seen) = self.looks(lens, along / distance);
+        let near_enough = look.clip[0].lt(distance) & distance.le(look.clip[1]);
+        (look, distance_squared, seen & near_enough)
+    }
+}
+
+impl<F: Float> Look<F> {
+    /// Direction of the shadow ray from the lens to a surface point, as far as it, and where on it the camera begins to see.
+    #[inline(always)]
+    pub(super) fn toward(&self, point: &ShadowPoint<F>) -> (Vector<F>, F) {
+        let along = point.leave(self.to_lens) - self.lens;
+        (along, self.clip[0] / along.length())
     }
 }
 
 impl Look {
     /// The shadow ray between a surface point and the lens.
     pub fn shadow_ray(&self, point: &SurfacePoint, time: f32) -> Ray {
-        let along = point.leave(self.to_lens) - self.lens;
-        let tnear = self.clip[0] / along.length();
+        let (along, tnear) = self.toward(&point.into());
         Ray { tnear, tfar: 1.0 - SHADOW_END, time, ..Ray::new(self.lens, along) }
     }
 

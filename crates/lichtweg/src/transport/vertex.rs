@@ -19,34 +19,54 @@
 //! Single directions (mirrors) have densities that are not finite. They cancel in the products of quotients; where they
 //! do not, c is 0. The probability of the lobe takes their place.
 //!
+//! All of these are kept as the numbers which raised by b are those of the formulas ([`norm`]): they then are mere areas, and `f32`
+//! holds them whatever the exponent.
+//!
 //! Roulette and holes are left out of all densities: weights need to sum to one only.
 
 use lichtweg_montecarlo::warp;
 use lichtweg_ray::Ray;
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::Float;
 
 use super::fault::{Fault, is_seeded};
-use super::mis::raise;
+use super::mis::norm;
 use crate::bsdf::Mode;
-use crate::color::Spectrum;
+use crate::color::{Spectra, Spectrum};
+use crate::light::Receiver;
 use crate::scene::description::Heuristic;
 use crate::scene::{Scatterer, SurfacePoint};
 
-/// What a vertex knows of the strategies with fewer vertices on its side: A and B of the sum above.
+/// What a vertex knows of the strategies with fewer vertices on its side: what raised by b is A and B of the sum above. Or as many
+/// vertices as `F` has lanes.
 #[derive(Clone, Copy, Debug)]
-pub struct Others {
+pub struct Others<F = f32> {
     /// A: the vertex before, connected to this one.
-    pub connected: f64,
+    pub connected: F,
     /// B: all with still fewer.
-    pub shorter: f64,
+    pub shorter: F,
 }
 
-impl Others {
-    /// Sum over the strategies with fewer vertices on this side, relative to this one: `pdf` is the density with which the walk
-    /// from the other end makes the vertex, `pdf_back` that with which it goes on to the vertex before.
-    #[inline]
-    pub fn sum(&self, heuristic: Heuristic, pdf: f32, pdf_back: f32) -> f64 {
-        raise(heuristic, pdf) * (self.connected + raise(heuristic, pdf_back) * self.shorter)
+impl<F: Float> Others<F> {
+    /// What a vertex knows that a walk reaches with the density `pdf` from a vertex of a [`Departure::chain`], with c = `link`.
+    /// `there` and `back` turn densities per solid angle into those per area at this vertex and at that before.
+    #[inline(always)]
+    pub fn arrive(pdf: F, chain: F, link: F, there: F, back: F) -> Self {
+        let scale = F::splat(1.0) / (pdf * there);
+        Self { connected: link * scale, shorter: back * chain * scale }
+    }
+
+    /// Whether there is a density, in spite of rounding.
+    #[inline(always)]
+    pub fn is_finite(&self) -> F::Mask {
+        (self.connected + self.shorter).lt(F::splat(f32::INFINITY))
+    }
+
+    /// Stands for the strategies with fewer vertices on this side, relative to this one, over the density with which the walk from the
+    /// other end makes the vertex; `pdf_back` is that with which it goes on to the vertex before.
+    #[inline(always)]
+    pub fn root(&self, heuristic: Heuristic, pdf_back: F) -> F {
+        norm(heuristic, self.connected, pdf_back * self.shorter)
     }
 }
 
@@ -66,18 +86,24 @@ pub struct Departure {
     /// Whether the vertex is infinitely far away.
     pub infinite: bool,
     /// c of the next vertex.
-    pub link: f64,
+    pub link: f32,
     /// (c + sum) / p^b of this vertex and those before.
-    pub chain: f64,
+    pub chain: f32,
+    /// See [`Receiver::normal`]; zero where a walk begins.
+    pub normal: Vec3,
 }
 
 impl Departure {
-    /// What the next vertex knows. `there` and `back` turn densities per solid angle into those per area at the next vertex and at
-    /// this one.
+    /// See [`Others::arrive`].
     #[inline]
-    pub fn arrive(&self, heuristic: Heuristic, there: f32, back: f32) -> Others {
-        let scale = 1.0 / raise(heuristic, self.pdf * there);
-        Others { connected: self.link * scale, shorter: raise(heuristic, back) * self.chain * scale }
+    pub fn arrive(&self, there: f32, back: f32) -> Others {
+        Others::arrive(self.pdf, self.chain, self.link, there, back)
+    }
+
+    /// The vertex, for the choice of lights.
+    #[inline]
+    pub fn receiver(&self) -> Receiver {
+        Receiver { position: self.position, normal: self.normal }
     }
 }
 
@@ -182,17 +208,34 @@ pub struct Onward {
     pub survival: f32,
 }
 
-/// What happens at a vertex between the direction it was reached from and another one.
+/// What happens at a vertex between the direction it was reached from and another one. Or at as many as `F` has lanes.
 #[derive(Clone, Copy, Debug)]
-pub struct Scattering {
+pub struct Scattering<F = f32> {
     /// The scattering function times the cosine to the geometric normal.
-    pub value: Spectrum,
+    pub value: Spectra<F>,
     /// Density per solid angle of going there.
-    pub pdf: f32,
+    pub pdf: F,
     /// Density per solid angle of going from there to the vertex before.
-    pub pdf_back: f32,
+    pub pdf_back: F,
     /// |cos| to the geometric normal.
-    pub cos: f32,
+    pub cos: F,
+}
+
+/// What makes the scattering function adjoint where the shading normal is not the geometric one: walks from the eye carry
+/// f |cos_s(light)|, so that walks from a light have to carry f |cos_s(light)| |cos_g(eye)| / |cos_g(light)| (Veach 1997,
+/// section 5.3, equation 5.19), which is this times f |cos_s(eye)|.
+#[inline(always)]
+pub(super) fn adjoint_correction<F: Float>(
+    shading: Vector<F>,
+    geometric: Vector<F>,
+    wo: Vector<F>,
+    wi: Vector<F>,
+) -> F {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let same = shading.x.equal(geometric.x) & shading.y.equal(geometric.y) & shading.z.equal(geometric.z);
+    let slope = shading.dot(wo) * geometric.dot(wi) / (geometric.dot(wo) * shading.dot(wi));
+    let slope = slope.abs();
+    one.select(same, slope.select(slope.lt(F::splat(f32::INFINITY)), zero))
 }
 
 impl Vertex<'_> {
@@ -235,17 +278,18 @@ impl Vertex<'_> {
         }
     }
 
-    /// What makes the scattering function adjoint where the shading normal is not the geometric one: walks from the eye carry
-    /// f |cos_s(light)|, so that walks from a light have to carry f |cos_s(light)| |cos_g(eye)| / |cos_g(light)| (Veach 1997,
-    /// section 5.3, equation 5.19), which is this times f |cos_s(eye)|.
+    /// [`adjoint_correction`] of a walk that carries `mode`.
     #[inline]
     pub fn adjoint_correction(&self, wi: Vec3, mode: Mode) -> f32 {
-        let (shading, geometric) = (self.scatterer.frame.normal, self.point.geometric_normal);
-        if mode == Mode::Radiance || shading == geometric || is_seeded(Fault::ShadingNormal) {
+        if mode == Mode::Radiance || is_seeded(Fault::ShadingNormal) {
             return 1.0;
         }
-        let wo = self.wo;
-        let correction = shading.dot(wo) * geometric.dot(wi) / (geometric.dot(wo) * shading.dot(wi));
-        if correction.is_finite() { correction.abs() } else { 0.0 }
+        adjoint_correction(self.scatterer.frame.normal, self.point.geometric_normal, self.wo, wi)
+    }
+
+    /// The vertex, for the choice of lights.
+    #[inline]
+    pub fn receiver(&self) -> Receiver {
+        Receiver { position: self.point.position, normal: self.scatterer.receiving_normal() }
     }
 }

@@ -1,22 +1,50 @@
 //! Shadow rays: whether two vertices see each other, and paths that wait for the answer.
 
 use lichtweg_ray::Ray;
-use lichtweg_ray::math::Vec3;
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::{Float, FloatLanes, Mask, Row, Wide};
 
 use super::light_end::LightEnd;
-use super::packets::{self, Order};
+use super::packets::{self, Order, RayLanes, ray_row};
 use crate::color::Spectrum;
+use crate::lanes::lanes_of;
 use crate::light::LightSample;
+use crate::scene::offset::offset;
 use crate::scene::{RayCounts, Scene, SurfacePoint};
 
 /// Part of a shadow ray's length left out at its end, where its target itself is.
 pub const SHADOW_END: f32 = 1e-5;
 
-/// The ray between two surface points, `direction` from the first to the second.
-#[inline]
-pub fn between(from: &SurfacePoint, to: &SurfacePoint, direction: Vec3, time: f32) -> Ray {
-    let origin = from.leave(direction);
-    Ray { tfar: 1.0 - SHADOW_END, time, ..Ray::new(origin, to.leave(-direction) - origin) }
+/// A point as shadow rays need it, or as many as `F` has lanes.
+#[derive(Clone, Copy)]
+pub struct ShadowPoint<F> {
+    pub position: Vector<F>,
+    /// See [`SurfacePoint::error`].
+    pub error: F,
+    pub geometric_normal: Vector<F>,
+}
+
+impl<F: Float> ShadowPoint<F> {
+    /// See [`SurfacePoint::leave`].
+    #[inline(always)]
+    pub fn leave(&self, direction: Vector<F>) -> Vector<F> {
+        offset(self.position, self.error, self.geometric_normal, direction)
+    }
+
+    /// Origin and direction of the ray to another point, as far as it.
+    #[inline(always)]
+    pub fn toward(&self, to: &Self) -> [Vector<F>; 2] {
+        let direction = (to.position - self.position).normalized();
+        let origin = self.leave(direction);
+        [origin, to.leave(-direction) - origin]
+    }
+}
+
+impl From<&SurfacePoint> for ShadowPoint<f32> {
+    fn from(point: &SurfacePoint) -> Self {
+        let SurfacePoint { position, error, geometric_normal, .. } = *point;
+        Self { position, error, geometric_normal }
+    }
 }
 
 /// The ray from a surface point to a light.
@@ -45,6 +73,13 @@ pub struct Candidate {
     pub value: Spectrum,
     /// Its weight among the strategies.
     pub weight: f32,
+    /// Where it leads along, by its number in the queue.
+    pub way: Option<u32>,
+}
+
+/// Where a path leads along.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
     /// The point on the lens.
     pub lens: Vec3,
     /// The point on the light.
@@ -60,45 +95,67 @@ pub struct Candidate {
 pub enum End {
     /// Where a walk began.
     Start(u32),
-    /// That a vertex was connected to, by its number in the queue.
-    Chosen(u32),
+    /// That a vertex was connected to.
+    Chosen(LightEnd),
+}
+
+/// Where paths lead along, if anybody asks.
+#[derive(Debug, Default)]
+pub struct Ways(Vec<Way>);
+
+impl Ways {
+    /// Keeps one, and says its number.
+    #[inline]
+    pub fn keep(&mut self, way: Way) -> u32 {
+        self.0.push(way);
+        self.0.len() as u32 - 1
+    }
 }
 
 /// Paths whose visibility is not known yet.
 #[derive(Debug, Default)]
 pub struct ShadowQueue {
-    rays: Vec<Ray>,
+    rays: Vec<Row>,
     candidates: Vec<Candidate>,
-    chosen: Vec<LightEnd>,
+    ways: Ways,
     transmittance: Vec<f32>,
     order: Order,
 }
 
 impl ShadowQueue {
-    /// Number of paths.
-    pub fn len(&self) -> usize {
-        self.rays.len()
-    }
-
     /// Appends a path.
     #[inline]
     pub fn push(&mut self, ray: Ray, candidate: Candidate) {
-        self.rays.push(ray);
+        self.rays.push(ray_row(&ray));
         self.candidates.push(candidate);
     }
 
-    /// Keeps a point on a light.
+    /// Appends the paths of the lanes whose mask is true.
+    #[inline(always)]
+    pub fn append<W: Wide>(
+        &mut self,
+        rays: &RayLanes<W>,
+        mask: W::Mask,
+        mut candidate: impl FnMut(&mut Ways, usize) -> Candidate,
+    ) {
+        let rows = W::F32::rows(rays.columns([W::F32::splat(0.0); 7]));
+        for lane in lanes_of(mask.bits()) {
+            self.rays.push(rows[lane]);
+            self.candidates.push(candidate(&mut self.ways, lane));
+        }
+    }
+
+    /// Keeps where a path leads along.
     #[inline]
-    pub fn choose(&mut self, end: LightEnd) -> End {
-        self.chosen.push(end);
-        End::Chosen(self.chosen.len() as u32 - 1)
+    pub fn keep(&mut self, way: Way) -> u32 {
+        self.ways.keep(way)
     }
 
     /// Forgets all paths.
     pub fn clear(&mut self) {
         self.rays.clear();
         self.candidates.clear();
-        self.chosen.clear();
+        self.ways.0.clear();
     }
 
     /// Looks.
@@ -111,8 +168,8 @@ impl ShadowQueue {
         self.candidates.iter().zip(self.transmittance.iter().copied()).filter(|(_, visible)| *visible > 0.0)
     }
 
-    /// A point on a light that was kept.
-    pub fn chosen(&self, number: u32) -> &LightEnd {
-        &self.chosen[number as usize]
+    /// Where a path leads along.
+    pub fn way(&self, candidate: &Candidate) -> Option<&Way> {
+        Some(&self.ways.0[candidate.way? as usize])
     }
 }

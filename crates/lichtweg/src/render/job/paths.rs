@@ -25,6 +25,8 @@ struct Finder<'f> {
 }
 
 impl ContributionSink for Finder<'_> {
+    const ROUTES: bool = true;
+
     fn add(&mut self, c: &Contribution<'_, '_>) {
         if let Some(path) = ExplicitPath::new(c, self.scene, self.sensor, self.tracer) {
             self.found.push(FoundPath {

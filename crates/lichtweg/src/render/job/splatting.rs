@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use super::pass::Panic;
 use super::*;
 use crate::film::{Splat, SplatFilm};
 use crate::scene::description::EstimatorKind;
@@ -30,11 +31,11 @@ const LIGHT_SEED: u64 = 0x6c69_6768_7477_6567;
 const TOGETHER: u32 = 1024;
 
 /// Walks from lights that each walk from the eye is joined with.
-const PARTNERS: u32 = 8;
+const PARTNERS: u32 = 16;
 
 /// The splats of a tile's samples.
 #[derive(Default)]
-struct TileSplats {
+pub(super) struct TileSplats {
     splats: Vec<Splat>,
     /// Where those of each sample index end.
     ends: Vec<usize>,
@@ -47,14 +48,22 @@ impl TileSplats {
     }
 
     /// Appends the splats of samples of `row` pixels each, by sample.
-    fn append(&mut self, mut splats: Vec<(u32, Splat)>, samples: u32, row: u32) {
-        // Stable: the splats of one sample of a pixel stay in their order.
-        splats.sort_by_key(|(sample, _)| *sample);
-        for sample in 1..=samples {
-            let end = splats.partition_point(|(number, _)| *number < sample * row);
-            let start = splats.partition_point(|(number, _)| *number < (sample - 1) * row);
-            self.splats.extend(splats[start..end].iter().map(|(_, splat)| *splat));
-            self.ends.push(self.splats.len());
+    fn append(&mut self, splats: &[(u32, Splat)], samples: u32, row: u32) {
+        // Where the splats of each sample of a pixel go: they stay in their order.
+        let mut next = vec![0; (samples * row) as usize + 1];
+        for (number, _) in splats {
+            next[*number as usize + 1] += 1;
+        }
+        for i in 1..next.len() {
+            next[i] += next[i - 1];
+        }
+        let first = self.splats.len();
+        self.ends.extend((1..=samples).map(|sample| first + next[(sample * row) as usize]));
+        self.splats.resize(first + splats.len(), Splat { place: [0.0; 2], value: [0.0; 3] });
+        for (number, splat) in splats {
+            let to = &mut next[*number as usize];
+            self.splats[first + *to] = *splat;
+            *to += 1;
         }
     }
 }
@@ -129,7 +138,7 @@ impl Job {
         let area = self.window[2] as usize * self.window[3] as usize;
         let most = (BATCH_SAMPLES / area).max(1) as u32;
         let (mut done, mut passes, mut pass_samples) = (0, 0, 1);
-        let mut expectation = None;
+        let (mut expectation, mut panic) = (None, None);
         while done < self.samples_per_pixel && !progress.is_stopped() {
             let pass_start = Instant::now();
             // What is expected changes where the number of samples doubles, wherever passes are cut.
@@ -143,11 +152,17 @@ impl Job {
             let batch = Batch { splatting, scene, sensor, samples: done..end, progress };
             // Where one sample of each pixel is a batch already, so many tiles are one.
             let together = if most > 1 { tiles.len() } else { BATCH_SAMPLES / (TILE * TILE) as usize };
-            for tiles in tiles.chunks_mut(together) {
-                self.render_batch(&batch, tiles, &mut film);
-            }
-            tiles.iter_mut().for_each(|tile| tile.samples = end);
             let taken = end - done;
+            let ends = || self.cuts(taken, pass_start, start, progress);
+            for tiles in tiles.chunks_mut(together) {
+                panic = self.render_batch(&batch, tiles, &mut film, ends);
+                if panic.is_some() {
+                    break;
+                }
+            }
+            if panic.is_some() || tiles.iter().any(|tile| tile.samples < end) {
+                break;
+            }
             done = end;
             passes += 1;
             progress.pass_done();
@@ -156,39 +171,52 @@ impl Job {
             };
             pass_samples = next.min(most);
         }
-        if done == 0 {
-            return Err(RenderError::Stopped);
-        }
-        let mut statistics = self.statistics(&tiles, passes);
-        let mut image = self.assemble(tiles);
-        film.join(&mut image.pixels, done);
-        statistics.seconds = start.elapsed().as_secs_f64();
-        Ok(Rendering { image, statistics, panic: None })
+        let walks: u64 = tiles.iter().map(|tile| tile.pixels.len() as u64 * u64::from(tile.samples)).sum();
+        self.finish(tiles, start, passes, panic, |image| {
+            film.join(&mut image.pixels, walks as f64 / area as f64)
+        })
     }
 
-    /// Takes samples of the pixels of some tiles, and merges what they splat.
-    fn render_batch(&self, batch: &Batch<'_>, tiles: &mut [Tile], film: &mut SplatFilm) {
-        let splats: Vec<TileSplats> =
-            tiles.par_iter_mut().map(|tile| self.render_splatting_tile(batch, tile)).collect();
+    /// Takes samples of the pixels of some tiles, and merges what they splat; of tiles that were not begun, or in which a thread
+    /// panicked, nothing.
+    fn render_batch<'a>(
+        &self,
+        batch: &Batch<'a>,
+        tiles: &mut [Tile],
+        film: &mut SplatFilm,
+        ends: impl Fn() -> bool + Sync,
+    ) -> Option<Panic> {
+        let Range { start, end } = batch.samples;
+        let action = |tile: &mut Tile, workspace: &mut Workspace<'a>| {
+            tile.splats = self.render_splatting_tile(batch, tile, workspace);
+        };
+        let panic = pass::run(tiles, end - start, ends, Workspace::default, action);
+        let whole = || tiles.iter().filter(|tile| tile.samples == end);
         let lists: Vec<(u32, &[Splat])> = batch
             .samples
             .clone()
             .enumerate()
-            .flat_map(|(i, sample)| splats.iter().map(move |tile| (sample, tile.of(i))))
+            .flat_map(|(i, sample)| whole().map(move |tile| (sample, tile.splats.of(i))))
             .collect();
         film.add(&lists, &self.filter);
+        tiles.iter_mut().for_each(|tile| tile.splats = TileSplats::default());
+        panic
     }
 
-    fn render_splatting_tile(&self, batch: &Batch<'_>, tile: &mut Tile) -> TileSplats {
+    fn render_splatting_tile<'a>(
+        &self,
+        batch: &Batch<'a>,
+        tile: &mut Tile,
+        workspace: &mut Workspace<'a>,
+    ) -> TileSplats {
         let Range { start, end } = batch.samples;
-        let mut workspace = Workspace::default();
         let mut splats = TileSplats::default();
         let mut counts = WalkCounts::default();
         let row = tile.pixels.len() as u32;
         let most = (TOGETHER / row).max(1);
         for first in (start..end).step_by(most as usize) {
             let samples = first..end.min(first.saturating_add(most));
-            self.take_samples(batch, tile, samples, &mut workspace, &mut counts, &mut splats);
+            self.take_samples(batch, tile, samples, workspace, &mut counts, &mut splats);
         }
         tile.counts.merge(&counts);
         batch.progress.add(u64::from(row * (end - start)), counts.rays.closest + counts.rays.occlusion);
@@ -243,7 +271,7 @@ impl Job {
             tile.dropped += 1;
             tile.first_dropped.get_or_insert((position, samples.start + number / row as u32));
         }
-        splats.append(splatted, samples.end - samples.start, row as u32);
+        splats.append(&splatted, samples.end - samples.start, row as u32);
     }
 
     /// A pair of walks for a sample of a pixel, and the weight of the reconstruction filter.

@@ -3,18 +3,16 @@
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::points::Points;
-use super::{
-    NO_ROW, PathObserver, Step, lanes_of, lanes_of_vector, load_spectra, load_vector, set_vector, vec3,
-};
+use super::{NO_ROW, lanes_of, lanes_of_vector, load_spectra, load_vector, set_vector, vec3};
 use crate::color::Spectra;
 use crate::lanes::warp;
-use crate::light::{Cone, LightChoice, Receiver, Sight};
+use crate::light::{Cone, LightChoice, Receiver, Sight, pdf_leaving};
 use crate::scene::offset::offset;
-use crate::scene::{Facets, Sphere};
+use crate::scene::{Facets, Scene, Sphere};
+use crate::transport::light_end;
 
 /// Sixteen points chosen on lights, as seen from points: [`LightSample`](crate::light::LightSample) in lanes.
-pub(super) struct LightLanes<W: Wide> {
+pub struct LightLanes<W: Wide> {
     pub valid: W::Mask,
     /// Unit directions to them.
     pub direction: Vector<W::F32>,
@@ -26,6 +24,13 @@ pub(super) struct LightLanes<W: Wide> {
     pub probability: W::F32,
     pub pdf: W::F32,
     pub delta: W::Mask,
+    /// See [`EmissionDensity`](crate::light::EmissionDensity).
+    pub start: W::F32,
+    pub leaving: W::F32,
+    /// See [`NextEvent::spread`](crate::transport::light_end::NextEvent).
+    pub spread: W::F32,
+    /// Which were chosen.
+    pub choices: [Option<LightChoice>; LANES],
 }
 
 /// The rows of sixteen chosen lights.
@@ -43,89 +48,94 @@ struct LightPoints<W: Wide> {
     error: W::F32,
 }
 
-impl<O: PathObserver> Step<'_, O> {
-    /// Chooses lights, and points on them, for sixteen points that receive on the side of their normals.
-    #[inline(always)]
-    pub(super) fn lights<W: Wide>(
-        &self,
-        points: &Points<W>,
-        normal: Vector<W::F32>,
-        u_light: W::F32,
-        [u0, u1]: [W::F32; 2],
-        lanes: u32,
-    ) -> LightLanes<W> {
-        let scene = self.scene;
-        let u = u0.to_lanes();
-        let mut chosen =
-            Chosen { forms: [&NO_ROW; LANES], emissions: [&NO_ROW; LANES], triangles: 0, spheres: 0 };
-        let (mut remapped, mut probability) = (u, Lanes::splat(0.0));
-        let mut others = 0;
-        let receiver = Receiver { position: points.position, normal };
-        let choices = scene.selection().sample_lanes::<W>(&receiver, u_light, lanes);
-        for lane in lanes_of(lanes) {
-            let Some(choice) = &choices[lane] else { continue };
-            probability.0[lane] = choice.probability;
-            let Some(rows) = scene.light_rows(choice, u.0[lane]) else {
-                others |= 1 << lane;
-                continue;
-            };
-            (chosen.forms[lane], chosen.emissions[lane]) = (rows.form, rows.emission);
-            remapped.0[lane] = rows.remapped;
-            let kind = if rows.is_sphere { &mut chosen.spheres } else { &mut chosen.triangles };
-            *kind |= 1 << lane;
-        }
-        let (mut out, near) = area_lights::<W>(points.position, &chosen, [W::F32::load(&remapped), u1]);
-        others |= near;
-        out.probability = W::F32::load(&probability);
-        if others != 0 {
-            let positions = lanes_of_vector::<W>(points.position);
-            self.other_lights(&positions, &choices, [&u, &u1.to_lanes()], others, &mut out);
-        }
-        out
+/// Chooses lights, and points on them, for sixteen points that receive on the side of their normals.
+#[inline(always)]
+pub fn lights<W: Wide>(
+    scene: &Scene,
+    position: Vector<W::F32>,
+    normal: Vector<W::F32>,
+    u_light: W::F32,
+    [u0, u1]: [W::F32; 2],
+    lanes: u32,
+) -> LightLanes<W> {
+    let u = u0.to_lanes();
+    let mut chosen =
+        Chosen { forms: [&NO_ROW; LANES], emissions: [&NO_ROW; LANES], triangles: 0, spheres: 0 };
+    let (mut remapped, mut probability) = (u, Lanes::splat(0.0));
+    let mut others = 0;
+    let receiver = Receiver { position, normal };
+    let choices = scene.selection().sample_lanes::<W>(&receiver, u_light, lanes);
+    for lane in lanes_of(lanes) {
+        let Some(choice) = &choices[lane] else { continue };
+        probability.0[lane] = choice.probability;
+        let Some(rows) = scene.light_rows(choice, u.0[lane]) else {
+            others |= 1 << lane;
+            continue;
+        };
+        (chosen.forms[lane], chosen.emissions[lane]) = (rows.form, rows.emission);
+        remapped.0[lane] = rows.remapped;
+        let kind = if rows.is_sphere { &mut chosen.spheres } else { &mut chosen.triangles };
+        *kind |= 1 << lane;
     }
+    let (mut out, near) = area_lights::<W>(position, &chosen, [W::F32::load(&remapped), u1]);
+    others |= near;
+    out.probability = W::F32::load(&probability);
+    out.choices = choices;
+    if others != 0 {
+        let positions = lanes_of_vector::<W>(position);
+        other_lights(scene, &positions, &choices, [&u, &u1.to_lanes()], others, &mut out);
+    }
+    out
+}
 
-    /// Lights of any other kind, one by one.
-    #[inline(always)]
-    fn other_lights<W: Wide>(
-        &self,
-        position: &[Lanes<f32>; 3],
-        choices: &[Option<LightChoice>; LANES],
-        u: [&Lanes<f32>; 2],
-        lanes: u32,
-        out: &mut LightLanes<W>,
-    ) {
-        let mut direction = [Lanes::splat(0.0); 3];
-        let mut target = direction;
-        let mut radiance = [Lanes::splat(0.0); 4];
-        let mut pdf = Lanes::splat(1.0);
-        let (mut valid, mut near, mut delta) = (0, 0, 0);
-        for lane in lanes_of(lanes) {
-            let Some(choice) = &choices[lane] else { continue };
-            let light = &self.scene.lights()[choice.light as usize];
-            let (from, u) = (vec3(position, lane), [u[0].0[lane], u[1].0[lane]]);
-            let Some((sample, _)) = light.sample_part(from, choice.triangle, u, self.scene) else { continue };
-            valid |= 1 << lane;
-            set_vector(&mut direction, lane, sample.direction);
-            if let Some(point) = sample.target {
-                near |= 1 << lane;
-                set_vector(&mut target, lane, point);
-            }
-            for (to, from) in radiance.iter_mut().zip(sample.radiance.0) {
-                to.0[lane] = from;
-            }
-            pdf.0[lane] = sample.pdf;
-            delta |= u32::from(sample.delta) << lane;
+/// Lights of any other kind, one by one.
+#[inline(always)]
+fn other_lights<W: Wide>(
+    scene: &Scene,
+    position: &[Lanes<f32>; 3],
+    choices: &[Option<LightChoice>; LANES],
+    u: [&Lanes<f32>; 2],
+    lanes: u32,
+    out: &mut LightLanes<W>,
+) {
+    let mut direction = [Lanes::splat(0.0); 3];
+    let mut target = direction;
+    let mut radiance = [Lanes::splat(0.0); 4];
+    let (mut pdf, mut start, mut leaving) = (Lanes::splat(1.0), Lanes::splat(1.0), Lanes::splat(1.0));
+    let mut spread = Lanes::splat(1.0);
+    let (mut valid, mut near, mut delta) = (0, 0, 0);
+    for lane in lanes_of(lanes) {
+        let Some(choice) = &choices[lane] else { continue };
+        let light = &scene.lights()[choice.light as usize];
+        let (from, u) = (vec3(position, lane), [u[0].0[lane], u[1].0[lane]]);
+        let Some((sample, point)) = light.sample_part(from, choice.triangle, u, scene) else { continue };
+        valid |= 1 << lane;
+        set_vector(&mut direction, lane, sample.direction);
+        if let Some(point) = sample.target {
+            near |= 1 << lane;
+            set_vector(&mut target, lane, point);
         }
-        let mask = W::Mask::from_bits;
-        let here = mask(lanes);
-        out.valid = out.valid.and_not(here) | mask(valid);
-        out.near = out.near.and_not(here) | mask(near);
-        out.delta = mask(delta);
-        out.direction = load_vector::<W>(&direction).select(here, out.direction);
-        out.target = load_vector::<W>(&target).select(here, out.target);
-        out.radiance = load_spectra::<W>(&radiance).select(here, out.radiance);
-        out.pdf = W::F32::load(&pdf).select(here, out.pdf);
+        for (to, from) in radiance.iter_mut().zip(sample.radiance.0) {
+            to.0[lane] = from;
+        }
+        pdf.0[lane] = sample.pdf;
+        let density = light.emission_density(&sample, point.as_ref(), scene);
+        (start.0[lane], leaving.0[lane]) = (density.start, density.leaving);
+        spread.0[lane] = light_end::spread(&sample, point.as_ref(), from);
+        delta |= u32::from(sample.delta) << lane;
     }
+    let mask = W::Mask::from_bits;
+    let here = mask(lanes);
+    out.valid = out.valid.and_not(here) | mask(valid);
+    out.near = out.near.and_not(here) | mask(near);
+    out.delta = mask(delta);
+    out.direction = load_vector::<W>(&direction).select(here, out.direction);
+    out.target = load_vector::<W>(&target).select(here, out.target);
+    out.radiance = load_spectra::<W>(&radiance).select(here, out.radiance);
+    out.pdf = W::F32::load(&pdf).select(here, out.pdf);
+    out.start = W::F32::load(&start).select(here, out.start);
+    out.leaving = W::F32::load(&leaving).select(here, out.leaving);
+    out.spread = W::F32::load(&spread).select(here, out.spread);
 }
 
 /// See [`AreaLight::sample`](crate::light::AreaLight::sample). With the lanes that are in, or all but in, their spheres: these are
@@ -162,6 +172,10 @@ fn area_lights<W: Wide>(from: Vector<W::F32>, chosen: &Chosen, u: [W::F32; 2]) -
         probability: zero,
         pdf,
         delta: W::Mask::from_bits(0),
+        start: inverse_area,
+        leaving: pdf_leaving(zero.lt(two_sided), sight.cos),
+        spread: sight.cos.abs(),
+        choices: [None; LANES],
     };
     (out, inside)
 }

@@ -11,9 +11,9 @@
 
 mod draws;
 mod emission;
-mod lights;
-mod lobes;
-mod points;
+pub(super) mod lights;
+pub(super) mod lobes;
+pub(super) mod points;
 pub(super) mod queue;
 mod scatter;
 
@@ -177,13 +177,13 @@ fn load_spectra<W: Wide>(s: &[Lanes<f32>; 4]) -> Spectra<W::F32> {
 }
 
 #[inline(always)]
-fn lanes_of_vector<W: Wide>(v: Vector<W::F32>) -> [Lanes<f32>; 3] {
+pub(super) fn lanes_of_vector<W: Wide>(v: Vector<W::F32>) -> [Lanes<f32>; 3] {
     [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
 }
 
 /// The vector of a lane.
 #[inline(always)]
-fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
+pub(super) fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
     Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane])
 }
 

@@ -4,13 +4,13 @@ use lichtweg_ray::HitPacket;
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::queue::WalkLanes;
+use super::lobes::Models;
 use super::{NO_ROW, lanes_of, load_spectra, load_vector, set_vector};
 use crate::bsdf::Frame;
 use crate::scene::{Facets, Form, LobeMaterial, Scene, Sphere};
 
 /// What sixteen walks have hit, as far as they can be dealt with at once.
-pub(super) struct Arrivals<'a> {
+pub struct Arrivals<'a> {
     scene: &'a Scene,
     hits: &'a HitPacket,
     /// Walks that hit a simple surface.
@@ -31,7 +31,7 @@ pub(super) struct Arrivals<'a> {
 }
 
 /// Sixteen points on surfaces.
-pub(super) struct Points<W: Wide> {
+pub struct Points<W: Wide> {
     pub position: Vector<W::F32>,
     pub error: W::F32,
     pub geometric_normal: Vector<W::F32>,
@@ -39,13 +39,12 @@ pub(super) struct Points<W: Wide> {
 }
 
 /// What scatters at sixteen points.
-pub(super) struct Materials<W: Wide> {
+pub struct Materials<W: Wide> {
     /// See [`Scatterer::frame`](crate::scene::Scatterer).
     pub frame: Frame<W::F32>,
     /// The columns of [`LobeMaterial::rows`].
     pub columns: [W::F32; LANES],
-    /// Where there is one.
-    pub lanes: W::Mask,
+    pub(in super::super) models: Models,
 }
 
 impl<'a> Arrivals<'a> {
@@ -118,9 +117,9 @@ impl<'a> Arrivals<'a> {
         Sphere::from_columns(&W::F32::columns(&self.forms))
     }
 
-    /// The points that were hit.
+    /// The points that rays hit.
     #[inline(always)]
-    pub fn points<W: Wide>(&self, walks: &WalkLanes<W>) -> Points<W> {
+    pub fn points<W: Wide>(&self, origin: Vector<W::F32>, direction: Vector<W::F32>) -> Points<W> {
         let facets = Facets::<W::F32>::new(&self.forms);
         let (u, v) = (W::F32::load(&self.hits.u), W::F32::load(&self.hits.v));
         let normal = facets.normal;
@@ -134,7 +133,7 @@ impl<'a> Arrivals<'a> {
             return on_triangles;
         }
         let sphere = self.spheres::<W>();
-        let near = walks.origin + walks.direction * W::F32::load(&self.hits.t);
+        let near = origin + direction * W::F32::load(&self.hits.t);
         let [position, normal] = sphere.nearest(near);
         let on_spheres =
             Points { position, error: sphere.error, geometric_normal: normal, shading_normal: normal };
@@ -174,7 +173,7 @@ impl<'a> Arrivals<'a> {
         let mirrored = LobeMaterial::is_two_sided(&columns).and_not(front);
         let frame = Frame::from_normal((-normal).select(mirrored, normal));
         let bitangent = (-frame.bitangent).select(mirrored, frame.bitangent);
-        Materials { frame: Frame { bitangent, ..frame }, columns, lanes: W::Mask::from_bits(self.lanes) }
+        Materials { frame: Frame { bitangent, ..frame }, columns, models: Models::of(&columns, self.lanes) }
     }
 }
 

@@ -6,6 +6,7 @@ use lichtweg_ray::HitPacket;
 use lichtweg_ray::wide::{Float, FloatLanes, Mask, Wide, Word, WordLanes};
 
 use super::draws::Draws;
+use super::lights::lights;
 use super::points::{Arrivals, Materials, Points};
 use super::queue::{ConnectionLanes, NO_PDF, WalkLanes};
 use super::{PathObserver, Step, lanes_of, lanes_of_vector, vec3};
@@ -29,7 +30,7 @@ impl<O: PathObserver> Step<'_, O> {
         if arrivals.lanes == 0 || last && arrivals.emitting == 0 {
             return arrivals.lanes | arrivals.gone;
         }
-        let points = arrivals.points::<W>(&walks);
+        let points = arrivals.points::<W>(walks.origin, walks.direction);
         if arrivals.emitting != 0 {
             arrivals.lanes &= !self.emitted::<W>(&arrivals, &walks, &points);
         }
@@ -64,7 +65,8 @@ impl<O: PathObserver> Step<'_, O> {
         let connects = tracer.light != LightStrategy::Naive;
         if connects {
             let (u_light, u) = (draws.next_1d(), draws.next_2d());
-            let light = self.lights::<W>(points, materials.frame.normal, u_light, u, lanes.bits());
+            let light =
+                lights::<W>(self.scene, points.position, materials.frame.normal, u_light, u, lanes.bits());
             let wi = materials.frame.to_local(light.direction);
             let (scattering, pdf_bsdf) = materials.value_and_pdf(wo, wi);
             let pdf = light.probability * light.pdf;

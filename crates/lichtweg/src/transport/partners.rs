@@ -1,0 +1,171 @@
+//! Which vertices of walks from the lights each walk from the eye is joined with, in blocks of sixteen that scatter alike.
+
+use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
+
+use super::joint::{Joints, Kind};
+use super::packets::rows_of;
+use super::vertex::Trail;
+use super::wave::lobes::Models;
+
+/// Sixteen vertices, a column a quantity.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The columns of their rows.
+    pub columns: [Lanes<f32>; LANES],
+    /// See [`Label::number`](super::joint::Label); what is behind the last is infinite.
+    pub numbers: Lanes<f32>,
+    /// Which they are among all.
+    pub joints: [u32; LANES],
+    pub kind: BlockKind,
+}
+
+/// How the vertices of a block scatter.
+#[derive(Clone, Copy, Debug)]
+pub enum BlockKind {
+    /// Diffusely.
+    Reflectors,
+    /// By single lobes, whose columns have this number.
+    Lobes(Models, u32),
+    /// Each in its own way.
+    General,
+}
+
+/// The vertices of walks from the lights, for each group of pairs.
+#[derive(Debug, Default)]
+pub struct Partners {
+    /// Where the vertices of each walk begin in `by_walk`.
+    first: Vec<u32>,
+    by_walk: Vec<u32>,
+    /// Those of one group, by kind.
+    kinds: [Vec<u32>; 3],
+    blocks: Vec<Block>,
+    lobes: Vec<[[Lanes<f32>; LANES]; 2]>,
+    /// Where those of each group begin in `blocks`.
+    groups: Vec<u32>,
+    /// The group of each pair.
+    group: Vec<u32>,
+}
+
+impl Partners {
+    /// From the vertices of the walks of some pairs, in rows, groups of `partners` of which share theirs.
+    pub fn gather(&mut self, light: &Joints, pairs: usize, row: usize, partners: usize) {
+        self.sort(light, pairs);
+        let groups_a_row = row.div_ceil(partners);
+        self.group.clear();
+        self.group
+            .extend((0..pairs).map(|pair| (pair / row * groups_a_row + pair % row % groups_a_row) as u32));
+        self.blocks.clear();
+        self.lobes.clear();
+        self.groups.clear();
+        for first in (0..pairs).step_by(row) {
+            for group in 0..groups_a_row {
+                self.groups.push(self.blocks.len() as u32);
+                self.kinds.iter_mut().for_each(Vec::clear);
+                for partner in 0..partners {
+                    let walk = first + (group + partner * groups_a_row) % row;
+                    for i in self.first[walk]..self.first[walk + 1] {
+                        let joint = self.by_walk[i as usize];
+                        let kind = match light.labels[joint as usize].kind {
+                            Kind::Reflector => 0,
+                            Kind::Lobe(..) => 1,
+                            Kind::General => 2,
+                        };
+                        self.kinds[kind].push(joint);
+                    }
+                }
+                self.push_blocks(light);
+            }
+        }
+        self.groups.push(self.blocks.len() as u32);
+    }
+
+    /// Makes blocks of the vertices of a group.
+    fn push_blocks(&mut self, light: &Joints) {
+        for (kind, joints) in self.kinds.iter().enumerate() {
+            for joints in joints.chunks(LANES) {
+                let kind = match kind {
+                    0 => BlockKind::Reflectors,
+                    1 => {
+                        let mut models = Models::NONE;
+                        let mut rows = [0; LANES];
+                        for (lane, &joint) in joints.iter().enumerate() {
+                            if let Kind::Lobe(model, number) = light.labels[joint as usize].kind {
+                                models.set(lane, model);
+                                rows[lane] = number;
+                            }
+                        }
+                        let rows = &rows[..joints.len()];
+                        let column = |part: usize| columns(rows_of(rows, |i| &light.lobes[i][part]));
+                        self.lobes.push([column(0), column(1)]);
+                        BlockKind::Lobes(models, self.lobes.len() as u32 - 1)
+                    }
+                    _ => BlockKind::General,
+                };
+                let mut block = Block {
+                    columns: columns(rows_of(joints, |i| &light.rows[i])),
+                    numbers: Lanes::splat(f32::INFINITY),
+                    joints: [Trail::NONE; LANES],
+                    kind,
+                };
+                for (lane, &joint) in joints.iter().enumerate() {
+                    block.numbers.0[lane] = light.labels[joint as usize].number as f32;
+                    block.joints[lane] = joint;
+                }
+                self.blocks.push(block);
+            }
+        }
+    }
+
+    /// Puts the vertices of each walk together.
+    fn sort(&mut self, light: &Joints, walks: usize) {
+        self.first.clear();
+        self.first.resize(walks + 2, 0);
+        for label in &light.labels {
+            self.first[label.walk as usize + 2] += 1;
+        }
+        for i in 2..self.first.len() {
+            self.first[i] += self.first[i - 1];
+        }
+        self.by_walk.clear();
+        self.by_walk.resize(light.len(), 0);
+        for (i, label) in light.labels.iter().enumerate() {
+            let to = &mut self.first[label.walk as usize + 1];
+            self.by_walk[*to as usize] = i as u32;
+            *to += 1;
+        }
+    }
+
+    /// What a pair is joined with.
+    #[inline(always)]
+    pub fn of(&self, pair: u32) -> &[Block] {
+        let group = self.group[pair as usize] as usize;
+        &self.blocks[self.groups[group] as usize..self.groups[group + 1] as usize]
+    }
+
+    /// The columns of the lobes of a block: directions to the vertices before, and materials.
+    #[inline(always)]
+    pub fn lobes(&self, number: u32) -> &[[Lanes<f32>; LANES]; 2] {
+        &self.lobes[number as usize]
+    }
+}
+
+/// Rows as columns in memory.
+fn columns(rows: [&Row; LANES]) -> [Lanes<f32>; LANES] {
+    wide::dispatch(Transpose(rows))
+}
+
+struct Transpose<'r>([&'r Row; LANES]);
+
+impl Kernel for Transpose<'_> {
+    type Output = [Lanes<f32>; LANES];
+
+    #[inline(always)]
+    fn run<W: Wide>(self) -> [Lanes<f32>; LANES] {
+        let columns = W::F32::columns(&self.0);
+        let mut out = [Lanes::splat(0.0); LANES];
+        for i in 0..LANES {
+            out[i] = columns[i].to_lanes();
+        }
+        out
+    }
+}
