@@ -13,7 +13,7 @@ use lichtweg::bsdf::Mode;
 use lichtweg::scene::description::{
     Description, GeometryDescription, Heuristic, LightKind, MaterialKind, SpectrumDescription, TextureInput,
 };
-use lichtweg::scene::{Scene, SurfacePoint};
+use lichtweg::scene::Scene;
 use lichtweg::transport::{
     Crowd, Departure, LightStart, Survival, Trail, Traveller, Vertex, Walk, WalkCounts, WalkVisitor,
 };

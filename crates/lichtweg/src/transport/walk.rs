@@ -271,7 +271,7 @@ impl<'a> Walk<'a> {
         };
         let (mut there, back) = edge.per_area();
         if from.infinite && is_seeded(Fault::DistantDensity) {
-            there = there / (point.position - from.position).length_squared();
+            there /= (point.position - from.position).length_squared();
         }
         from.arrive(there, back)
     }
