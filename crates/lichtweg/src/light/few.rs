@@ -25,6 +25,7 @@ impl<F: Float> Place<F> {
     #[inline(always)]
     fn new(u: F, buckets: u32) -> Self {
         const UNITS: f32 = (1 << 24) as f32;
+        let u = u.max(F::splat(0.0)).min(F::splat(BELOW_ONE));
         let position = (u * F::splat(UNITS)).truncate() * F::Bits::splat(buckets);
         let fraction = (position & F::Bits::splat((1 << 24) - 1)).to_float() * F::splat(1.0 / UNITS);
         Self { bucket: position.shr::<24>(), fraction }
@@ -57,15 +58,15 @@ impl FewTable {
         self.thresholds.len() as u32
     }
 
-    /// An entry by a uniform number in [0,1), and what is left of the number.
+    /// An entry by a uniform number in [0,1), and what is left of the number. Others are taken to the nearest of these, NaN to 0.
     #[inline]
     pub fn sample(&self, u: f32) -> (u32, f32) {
-        let place = Place::new(u.clamp(0.0, BELOW_ONE), self.len());
+        let place = Place::new(u, self.len());
         let bucket = place.bucket as usize;
         place.entry(self.thresholds[bucket], self.aliases[bucket])
     }
 
-    /// [`FewTable::sample`] of numbers that are in [0,1).
+    /// [`FewTable::sample`] of sixteen numbers.
     #[inline(always)]
     pub fn sample_lanes<W: Wide>(&self, u: W::F32) -> (W::U32, W::F32) {
         let place = Place::new(u, self.len());
