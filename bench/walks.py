@@ -37,6 +37,8 @@ def enter_environment():
     """Runs this script again in an environment that has the packages."""
     folder = Path(os.environ.get("WALKS_VENV", TARGET / "walks-venv"))
     python = folder / "bin" / "python"
+    # In favour of SciPy: its vectors are short for two threads, which wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if Path(sys.prefix).resolve() == folder.resolve():
         return
     if not python.exists():

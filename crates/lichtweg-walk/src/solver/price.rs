@@ -64,7 +64,7 @@ impl Solver<'_> {
     pub(super) fn direct_cost(&self, rival: f64) -> f64 {
         let (ordering, entry, multiplication) = FACTORS;
         let ordering = ordering * self.system.matrix().entries() as f64;
-        if 4.0 * ordering > rival {
+        if 2.0 * ordering > rival {
             return f64::INFINITY;
         }
         let fits = self.fill().filter(|fill| fill.entries <= crate::direct::MOST_FILL);

@@ -42,9 +42,11 @@ impl Solver<'_> {
         limit: u64,
         promising: &mut f64,
     ) -> Option<Answer> {
+        // Bounds by columns go with the largest residual instead.
+        let by_size = self.proof.bound_of_each(self.system).is_some();
         loop {
             let size = push.residuals().map(|(_, q)| q.abs()).sum::<f64>();
-            if size <= *promising {
+            if !by_size || size <= *promising {
                 let (value, half_width) = self.pushed(push);
                 let goal = options.goal.half_width(value);
                 if half_width <= goal {

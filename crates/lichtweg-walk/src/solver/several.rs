@@ -139,7 +139,7 @@ impl Solver<'_> {
         let answer = |(found, target): (&Estimate, &Entries)| {
             let seldom = found.tally.nonzero < SELDOM && !found.reached;
             if seldom && targets.len() > 1 {
-                return self.from_its_own_end(target, options);
+                return self.at_its_own_end(target, options);
             }
             let answer = report(Method::Forward, 0.0, 0, pilot_steps, found)?;
             Ok(Answer { shared: targets.len(), ..answer })
@@ -148,7 +148,7 @@ impl Solver<'_> {
     }
 
     /// What forward walks for many hardly ever come to, by push and walks from there.
-    fn from_its_own_end(&self, target: &Entries, options: &Options) -> Result<Answer, Refusal> {
+    fn at_its_own_end(&self, target: &Entries, options: &Options) -> Result<Answer, Refusal> {
         if let Some(zero) = self.zero(target) {
             return Ok(zero);
         }
