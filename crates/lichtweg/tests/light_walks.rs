@@ -10,10 +10,10 @@ use common::judge::moments_outcome;
 use common::room::{add_ball, stage};
 use common::run::compile_scene;
 use lichtweg::bsdf::Mode;
+use lichtweg::scene::Scene;
 use lichtweg::scene::description::{
     Description, GeometryDescription, Heuristic, LightKind, MaterialKind, SpectrumDescription, TextureInput,
 };
-use lichtweg::scene::Scene;
 use lichtweg::transport::{
     Crowd, Departure, LightStart, Survival, Trail, Traveller, Vertex, Walk, WalkCounts, WalkVisitor,
 };
