@@ -95,6 +95,17 @@ pub trait ContributionSink {
     fn add(&mut self, contribution: &Contribution<'_, '_>);
 }
 
+/// Tells a function of every path, those of weight zero, too. All that look at paths so share one compilation of the walks.
+pub struct Teller<'f>(pub &'f mut dyn FnMut(&Contribution<'_, '_>));
+
+impl ContributionSink for Teller<'_> {
+    const UNWEIGHTED: bool = true;
+
+    fn add(&mut self, contribution: &Contribution<'_, '_>) {
+        (self.0)(contribution);
+    }
+}
+
 /// The random numbers of paths of one edge stand behind all those that a walk can use.
 pub(super) const END_DIMENSION: u32 = 1 << 29;
 
@@ -165,11 +176,7 @@ struct FromEye<'j, 'p, 'a, S> {
 impl<S: ContributionSink> WalkVisitor for FromEye<'_, '_, '_, S> {
     const LIGHTS_ALONE: bool = true;
     const LAST_MATTER: bool = false;
-
-    #[inline(always)]
-    fn is_wide(&self) -> bool {
-        !S::ROUTES
-    }
+    const WIDE: bool = !S::ROUTES;
 
     fn first_link(&mut self, _: u32, _: &Receiver) -> f32 {
         self.joiner.settings.once()
@@ -219,9 +226,11 @@ impl<S> FromLight<'_, '_, '_, S> {
 }
 
 impl<S: ContributionSink> WalkVisitor for FromLight<'_, '_, '_, S> {
+    const WIDE: bool = !S::ROUTES;
+
     #[inline(always)]
     fn is_wide(&self) -> bool {
-        !S::ROUTES && !self.has_lens && self.joiner.sensor.camera.is_fixed()
+        Self::WIDE && !self.has_lens && self.joiner.sensor.camera.is_fixed()
     }
 
     fn first_link(&mut self, walk: u32, receiver: &Receiver) -> f32 {

@@ -24,7 +24,7 @@ mod visibility;
 mod walk;
 mod wave;
 
-pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Pair, Route, Workspace};
+pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Pair, Route, Teller, Workspace};
 pub use explicit::{ExplicitPath, PathStrategy, PathVertex, VertexKind};
 pub use light::{LightTracer, walk_analog};
 pub use light_end::{LightEnd, LightStart};

@@ -21,7 +21,7 @@ use self::common::room::{add_ball, add_block, add_walls, room, stage};
 use self::common::run::{Estimator, camera, compile_scene, render_scene};
 use super::fault::{Fault, with_fault};
 use super::{
-    Bidirectional, Contribution, ContributionSink, ExplicitPath, Pair, Sensor, WalkCounts, Workspace,
+    Bidirectional, Contribution, ContributionSink, ExplicitPath, Pair, Sensor, Teller, WalkCounts, Workspace,
 };
 use crate::camera::Camera;
 use crate::scene::Scene;
@@ -191,27 +191,43 @@ fn paths_are_what_their_factors_say() {
 /// A path: strategy, place, value and weight.
 type Made = (u32, u32, Option<[f32; 2]>, [f32; 3], f32);
 
-/// The paths of each pair; `ALONE` makes every walk go alone.
-struct Lists<const ALONE: bool>(Vec<Vec<Made>>);
+/// The paths of each pair.
+struct Lists(Vec<Vec<Made>>);
 
-impl<const ALONE: bool> ContributionSink for Lists<ALONE> {
-    const UNWEIGHTED: bool = true;
-    const ROUTES: bool = ALONE;
-
-    fn add(&mut self, c: &Contribution<'_, '_>) {
+impl Lists {
+    fn keep(&mut self, c: &Contribution<'_, '_>) {
         self.0[c.sample as usize].push((c.s, c.t, c.film, c.value.to_rgb(), c.weight));
     }
 }
 
+/// Makes every walk go alone.
+struct Alone<'l>(&'l mut Lists);
+
+impl ContributionSink for Alone<'_> {
+    const UNWEIGHTED: bool = true;
+    const ROUTES: bool = true;
+
+    fn add(&mut self, c: &Contribution<'_, '_>) {
+        self.0.keep(c);
+    }
+}
+
 /// The paths of some pairs, in rows; each pair's in an order of their own.
-fn lists<const ALONE: bool>(d: &Description, pairs: &[Pair], row: usize, partners: u32) -> Vec<Vec<Made>> {
+fn lists(d: &Description, pairs: &[Pair], row: usize, partners: u32, alone: bool) -> Vec<Vec<Made>> {
     let scene = compile_scene(d);
     let (camera, size) = sensor_camera(d);
     let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
     let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
-    let mut lists = Lists::<ALONE>(vec![Vec::new(); pairs.len()]);
+    let mut lists = Lists(vec![Vec::new(); pairs.len()]);
     let sensor = sensor(&camera, size);
-    tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut lists);
+    if alone {
+        let mut sink = Alone(&mut lists);
+        tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut sink);
+    } else {
+        let mut keep = |c: &Contribution<'_, '_>| lists.keep(c);
+        let mut sink = Teller(&mut keep);
+        tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut sink);
+    }
     lists.0.iter_mut().for_each(|list| list.sort_by(|a, b| a.partial_cmp(b).expect("no NaN")));
     lists.0
 }
@@ -244,7 +260,7 @@ fn lanes_bring_what_walks_bring_alone() {
         d.integrator.heuristic = heuristic;
         let (camera, _) = sensor_camera(&d);
         let pairs = pairs(&d, &camera, 0);
-        let (lanes, alone) = (lists::<false>(&d, &pairs, 32, 3), lists::<true>(&d, &pairs, 32, 3));
+        let (lanes, alone) = (lists(&d, &pairs, 32, 3, false), lists(&d, &pairs, 32, 3, true));
         let paths: usize = alone.iter().map(Vec::len).sum();
         assert!(paths > 2000, "{paths}");
         for (i, (lanes, alone)) in lanes.iter().zip(&alone).enumerate() {
@@ -272,8 +288,10 @@ fn pairs_go_together_as_they_go_alone() {
     for (partners, row) in [(1, 1), (3, 32)] {
         let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
         let mut follow = |pairs: &[Pair]| {
-            let mut lists = Lists::<false>(vec![Vec::new(); pairs.len()]);
-            tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut lists);
+            let mut lists = Lists(vec![Vec::new(); pairs.len()]);
+            let mut keep = |c: &Contribution<'_, '_>| lists.keep(c);
+            let mut sink = Teller(&mut keep);
+            tracer.follow(&scene, &sensor, pairs, row, &mut workspace, &mut counts, &mut sink);
             lists.0
         };
         let together = follow(&pairs);
@@ -293,6 +311,7 @@ struct Means {
 
 impl ContributionSink for Means {
     const UNWEIGHTED: bool = true;
+    const ROUTES: bool = true;
 
     fn add(&mut self, c: &Contribution<'_, '_>) {
         if c.film.is_none_or(|[x, y]| (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y)) {

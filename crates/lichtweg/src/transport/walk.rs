@@ -62,10 +62,13 @@ pub trait WalkVisitor {
     /// Whether last vertices, from which walks do not go on, matter where they do not lie on lights.
     const LAST_MATTER: bool = true;
 
-    /// Whether it deals with simple vertices sixteen at a time, rather than to be told of each.
+    /// Whether it can deal with simple vertices sixteen at a time, rather than to be told of each. Those that cannot need no kernels.
+    const WIDE: bool = false;
+
+    /// Whether it does so here.
     #[inline(always)]
     fn is_wide(&self) -> bool {
-        false
+        Self::WIDE
     }
 
     /// c of a walk's first surface vertex, 1 unless the end is connected to it otherwise than it was sampled.
@@ -363,7 +366,7 @@ impl<V: WalkVisitor> Kernel for Step<'_, '_, V> {
             let active = (1 << numbers.len()) - 1;
             let rays = travellers.ray.packet();
             let hits = self.walk.scene.accel().closest_packet(&rays, active);
-            let done = if wide { self.together::<W>(travellers, active, &hits) } else { 0 };
+            let done = if V::WIDE && wide { self.together::<W>(travellers, active, &hits) } else { 0 };
             for lane in lanes_of(active & !done) {
                 self.alone(numbers[lane] as usize, &hits, lane);
             }

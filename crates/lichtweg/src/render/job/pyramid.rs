@@ -2,7 +2,7 @@
 //! figure 2; Veach 1997, figure 10.3).
 
 use super::*;
-use crate::transport::{Contribution, ContributionSink, Sensor, Workspace};
+use crate::transport::{Contribution, Sensor, Teller, Workspace};
 
 /// All strategies' images.
 #[derive(Clone, Debug)]
@@ -86,9 +86,7 @@ struct Collector {
     items: Vec<Item>,
 }
 
-impl ContributionSink for Collector {
-    const UNWEIGHTED: bool = true;
-
+impl Collector {
     fn add(&mut self, c: &Contribution<'_, '_>) {
         let value = c.value * self.scale;
         if c.s + c.t <= self.max_depth + 1 && value.is_valid_radiance() && !value.is_zero() {
@@ -153,7 +151,9 @@ impl Job {
                         let mut sink =
                             Collector { max_depth, pixels, scale: self.film_scale, items: Vec::new() };
                         let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
-                        tracer.follow(scene, &sensor, &pairs, row, &mut workspace, &mut counts, &mut sink);
+                        let mut collect = |c: &Contribution<'_, '_>| sink.add(c);
+                        let mut teller = Teller(&mut collect);
+                        tracer.follow(scene, &sensor, &pairs, row, &mut workspace, &mut counts, &mut teller);
                         progress.add(row as u64, counts.rays.closest + counts.rays.occlusion);
                         sink.items
                     })
