@@ -253,7 +253,7 @@ fn penumbra_of_a_knife_edge() {
     let places = [-0.2_f64, -0.1, -0.03, 0.0, 0.08, 0.15, 0.2];
     for (i, x) in places.into_iter().enumerate() {
         // The probe stays at the origin, everything else moves.
-        let mut d = probe(128, 20 + i as u64);
+        let mut d = probe(192, 20 + i as u64);
         let black = d.diffuse([0.0; 3]);
         let light =
             chain(&[Affine::translation(-x, 4.0, 0.0), facing_down(), Affine::scaling(0.5, 0.5, 1.0)]);

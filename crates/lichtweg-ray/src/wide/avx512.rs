@@ -14,6 +14,7 @@ use super::{Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word
 pub(crate) struct Avx512;
 
 impl Wide for Avx512 {
+    const REGISTERS: bool = true;
     type F32 = F32;
     type U32 = U32;
     type U64 = U64;

@@ -71,6 +71,8 @@ impl<T: Copy + Default> Default for Lanes<T> {
 
 /// An instruction set, as a kernel sees it: the types of its registers.
 pub trait Wide: Copy + 'static {
+    /// Whether sixteen lanes are one register. Where they are arrays, long kernels take the compiler long and gain little.
+    const REGISTERS: bool;
     /// Sixteen `f32`.
     type F32: FloatLanes<Mask = Self::Mask, Bits = Self::U32>;
     /// Sixteen `u32`.

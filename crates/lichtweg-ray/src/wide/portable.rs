@@ -9,6 +9,7 @@ use super::{Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word
 pub(crate) struct Portable;
 
 impl Wide for Portable {
+    const REGISTERS: bool = false;
     type F32 = F32;
     type U32 = U32;
     type U64 = U64;
