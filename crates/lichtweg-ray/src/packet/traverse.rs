@@ -99,7 +99,7 @@ impl<'a, W: Wide, V: NarrowLanes> Walk<'a, W, V> {
         loop {
             if current.is_leaf() {
                 self.leaf::<ANY>(current, mask);
-            } else if mask.count_ones() <= FEW {
+            } else if !W::REGISTERS || mask.count_ones() <= FEW {
                 self.singles::<ANY>(current, mask);
             } else {
                 // SAFETY: inner references of the builder are indices of nodes.
@@ -387,7 +387,7 @@ macro_rules! dispatch {
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         fn $avx2(accel: &Accel, rays: &RayPacket, active: u32) -> $output {
-            $kernel::<wide::Portable, Avx2>(accel, rays, active)
+            $kernel::<wide::Avx2, Avx2>(accel, rays, active)
         }
 
         #[cfg(target_arch = "x86_64")]

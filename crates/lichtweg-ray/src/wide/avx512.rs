@@ -364,12 +364,6 @@ impl FloatLanes for F32 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: Mask16) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_maskz_compress_ps(mask.0, self.0) })
-    }
-
-    #[inline(always)]
     fn smallest(self) -> f32 {
         // SAFETY: see above.
         unsafe { _mm512_reduce_min_ps(self.0) }
@@ -553,12 +547,6 @@ impl WordLanes for U32 {
                 _mm512_cvtepu32_epi64(_mm512_extracti32x8_epi32::<1>(self.0)),
             )
         }
-    }
-
-    #[inline(always)]
-    fn compress(self, mask: Mask16) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm512_maskz_compress_epi32(mask.0, self.0) })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sixteen lanes on whatever the machine has: kernels that follow sixteen rays or paths at a time.
 //!
 //! A kernel is written once over [`Wide`], and [`dispatch`] runs it on the best instruction set of the machine: one
-//! 512-bit register a quantity with AVX-512, arrays that the compiler turns into narrower registers elsewhere. Every
+//! 512-bit register a quantity with AVX-512, two of 256 bits with AVX2, arrays elsewhere. Every
 //! operation is exactly rounded and treats NaN alike, so that all instruction sets give the same bits.
 //!
 //! ```
@@ -31,6 +31,9 @@
     clippy::needless_range_loop,
     reason = "lanes are numbered, and loops over numbers are surely inlined"
 )]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+#[allow(clippy::needless_range_loop, reason = "as above")]
 mod avx512;
 #[allow(clippy::needless_range_loop, reason = "as above")]
 mod portable;
@@ -42,6 +45,8 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
 use crate::simd::Isa;
 
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
@@ -71,7 +76,7 @@ impl<T: Copy + Default> Default for Lanes<T> {
 
 /// An instruction set, as a kernel sees it: the types of its registers.
 pub trait Wide: Copy + 'static {
-    /// Whether sixteen lanes are one register. Where they are arrays, long kernels take the compiler long and gain little.
+    /// Whether the lanes are registers. Where they are arrays, it is faster to compute for one ray or path at a time.
     const REGISTERS: bool;
     /// Sixteen `f32`.
     type F32: FloatLanes<Mask = Self::Mask, Bits = Self::U32>;
@@ -196,8 +201,6 @@ pub trait FloatLanes: Float {
     fn mul_sub(self, b: Self, c: Self) -> Self;
     /// c - a b, rounded once.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// The lanes whose mask is true, moved together to the front; what is behind them is zero.
-    fn compress(self, mask: Self::Mask) -> Self;
     /// Smallest lane; lanes must not be NaN.
     fn smallest(self) -> f32;
     /// Element `index` of a table. Panics where a lane's index is out of range.
@@ -259,8 +262,6 @@ pub trait WordLanes: Word {
     fn gather(table: &[u32], index: Self) -> Self;
     /// Zero-extended.
     fn widen(self) -> Self::U64;
-    /// See [`Float::compress`].
-    fn compress(self, mask: Self::Mask) -> Self;
 }
 
 /// Sixteen `u64`, for hashing.
@@ -313,11 +314,10 @@ pub(crate) fn on<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
     }
 }
 
-/// The arrays of the portable set, in registers of 256 bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn on_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<Portable>()
+    kernel.run::<Avx2>()
 }
 
 #[cfg(target_arch = "x86_64")]

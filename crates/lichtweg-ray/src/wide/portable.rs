@@ -16,32 +16,32 @@ impl Wide for Portable {
     type Mask = Mask16;
 }
 
+/// A value for each lane. A function by itself, since hundreds of loops in one kernel take the compiler long.
+#[inline(never)]
+fn each<T: Copy + Default>(f: impl Fn(usize) -> T) -> [T; LANES] {
+    let mut out = [T::default(); LANES];
+    for i in 0..LANES {
+        out[i] = f(i);
+    }
+    out
+}
+
+/// Which lanes a predicate holds for.
+#[inline(never)]
+fn which(f: impl Fn(usize) -> bool) -> Mask16 {
+    let mut bits = 0;
+    for i in 0..LANES {
+        bits |= u32::from(f(i)) << i;
+    }
+    Mask16(bits)
+}
+
 macro_rules! lanes {
     ($(#[$doc:meta] $name:ident $element:ty),+) => {$(
         #[$doc]
         #[derive(Clone, Copy)]
         #[repr(C, align(64))]
         pub(crate) struct $name([$element; LANES]);
-
-        impl $name {
-            #[inline(always)]
-            fn zip(self, b: Self, f: impl Fn($element, $element) -> $element) -> Self {
-                let mut out = self;
-                for i in 0..LANES {
-                    out.0[i] = f(self.0[i], b.0[i]);
-                }
-                out
-            }
-
-            #[inline(always)]
-            fn map(self, f: impl Fn($element) -> $element) -> Self {
-                let mut out = self;
-                for i in 0..LANES {
-                    out.0[i] = f(self.0[i]);
-                }
-                out
-            }
-        }
     )+};
 }
 lanes!(
@@ -61,7 +61,10 @@ macro_rules! operators {
             type Output = Self;
             #[inline(always)]
             fn $f(self, rhs: Self) -> Self {
-                self.zip(rhs, |$a, $b| $e)
+                Self(each(|i| {
+                    let ($a, $b) = (self.0[i], rhs.0[i]);
+                    $e
+                }))
             }
         }
     )+};
@@ -85,28 +88,11 @@ operators!(
     U64 BitXor bitxor |a, b| a ^ b,
 );
 
-impl Neg for F32 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(|a| -a)
-    }
-}
-
 /// Sixteen bits.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask16(u32);
 
 impl Mask16 {
-    #[inline(always)]
-    fn test<T: Copy>(a: [T; LANES], b: [T; LANES], f: impl Fn(T, T) -> bool) -> Self {
-        let mut bits = 0;
-        for i in 0..LANES {
-            bits |= u32::from(f(a[i], b[i])) << i;
-        }
-        Self(bits)
-    }
-
     #[inline(always)]
     fn lane(self, i: usize) -> bool {
         self.0 >> i & 1 != 0
@@ -157,19 +143,7 @@ impl Mask for Mask16 {
     }
 }
 
-/// The lanes of a mask moved to the front.
-#[inline(always)]
-fn compress<T: Copy + Default>(lanes: [T; LANES], mask: Mask16) -> [T; LANES] {
-    let mut out = [T::default(); LANES];
-    let mut count = 0;
-    for (i, &lane) in lanes.iter().enumerate() {
-        out[count & (LANES - 1)] = if mask.lane(i) { lane } else { out[count & (LANES - 1)] };
-        count += usize::from(mask.lane(i));
-    }
-    out
-}
-
-/// What floats of both widths have in common.
+/// What all types have in common.
 macro_rules! common {
     ($element:ty) => {
         #[inline(always)]
@@ -178,39 +152,50 @@ macro_rules! common {
         }
 
         #[inline(always)]
-        fn sqrt(self) -> Self {
-            self.map(<$element>::sqrt)
-        }
-
-        #[inline(always)]
-        fn copysign(self, b: Self) -> Self {
-            self.zip(b, <$element>::copysign)
-        }
-
-        #[inline(always)]
         fn lt(self, b: Self) -> Mask16 {
-            Mask16::test(self.0, b.0, |a, b| a < b)
-        }
-
-        #[inline(always)]
-        fn le(self, b: Self) -> Mask16 {
-            Mask16::test(self.0, b.0, |a, b| a <= b)
+            which(|i| self.0[i] < b.0[i])
         }
 
         #[inline(always)]
         fn equal(self, b: Self) -> Mask16 {
-            Mask16::test(self.0, b.0, |a, b| a == b)
+            which(|i| self.0[i] == b.0[i])
         }
 
         #[inline(always)]
         fn select(self, mask: Mask16, other: Self) -> Self {
-            let mut out = self;
-            for i in 0..LANES {
-                out.0[i] = if mask.lane(i) { self.0[i] } else { other.0[i] };
-            }
-            out
+            Self(each(|i| if mask.lane(i) { self.0[i] } else { other.0[i] }))
         }
     };
+}
+
+/// What floats of both widths have in common.
+macro_rules! common_of_floats {
+    ($element:ty) => {
+        common!($element);
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(each(|i| self.0[i].sqrt()))
+        }
+
+        #[inline(always)]
+        fn copysign(self, b: Self) -> Self {
+            Self(each(|i| self.0[i].copysign(b.0[i])))
+        }
+
+        #[inline(always)]
+        fn le(self, b: Self) -> Mask16 {
+            which(|i| self.0[i] <= b.0[i])
+        }
+    };
+}
+
+impl Neg for F32 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(each(|i| -self.0[i]))
+    }
 }
 
 impl Float for F32 {
@@ -218,48 +203,36 @@ impl Float for F32 {
     type Bits = U32;
     type Double = F64;
 
-    common!(f32);
+    common_of_floats!(f32);
 
     #[inline(always)]
     fn min(self, b: Self) -> Self {
-        self.zip(b, |a, b| if a < b { a } else { b })
+        Self(each(|i| if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }))
     }
 
     #[inline(always)]
     fn max(self, b: Self) -> Self {
-        self.zip(b, |a, b| if a > b { a } else { b })
+        Self(each(|i| if self.0[i] > b.0[i] { self.0[i] } else { b.0[i] }))
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(f32::abs)
+        Self(each(|i| self.0[i].abs()))
     }
 
     #[inline(always)]
     fn bits(self) -> U32 {
-        let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i].to_bits();
-        }
-        U32(out)
+        U32(each(|i| self.0[i].to_bits()))
     }
 
     #[inline(always)]
     fn truncate(self) -> U32 {
-        let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i] as i32 as u32;
-        }
-        U32(out)
+        U32(each(|i| self.0[i] as i32 as u32))
     }
 
     #[inline(always)]
     fn widen(self) -> F64 {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = f64::from(self.0[i]);
-        }
-        F64(out)
+        F64(each(|i| f64::from(self.0[i])))
     }
 }
 
@@ -267,7 +240,7 @@ impl Neg for F64 {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        Self(each(|i| -self.0[i]))
     }
 }
 
@@ -275,15 +248,11 @@ impl Double for F64 {
     type Mask = Mask16;
     type F32 = F32;
 
-    common!(f64);
+    common_of_floats!(f64);
 
     #[inline(always)]
     fn narrow(self) -> F32 {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i] as f32;
-        }
-        F32(out)
+        F32(each(|i| self.0[i] as f32))
     }
 }
 
@@ -305,11 +274,7 @@ impl FloatLanes for F32 {
 
     #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].mul_add(b.0[i], c.0[i]);
-        }
-        out
+        Self(each(|i| self.0[i].mul_add(b.0[i], c.0[i])))
     }
 
     #[inline(always)]
@@ -323,11 +288,6 @@ impl FloatLanes for F32 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: Mask16) -> Self {
-        Self(compress(self.0, mask))
-    }
-
-    #[inline(always)]
     fn smallest(self) -> f32 {
         let mut least = self.0[0];
         for lane in self.0 {
@@ -338,33 +298,17 @@ impl FloatLanes for F32 {
 
     #[inline(always)]
     fn gather(table: &[f32], index: U32) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = table[index.0[i] as usize];
-        }
-        Self(out)
+        Self(each(|i| table[index.0[i] as usize]))
     }
 
     #[inline(always)]
     fn rows(columns: [Self; LANES]) -> [Row; LANES] {
-        let mut out = [Lanes([0.0; LANES]); LANES];
-        for (lane, row) in out.iter_mut().enumerate() {
-            for column in 0..LANES {
-                row.0[column] = columns[column].0[lane];
-            }
-        }
-        out
+        each(|lane| Lanes(each(|column| columns[column].0[lane])))
     }
 
     #[inline(always)]
     fn columns(rows: &[&Row; LANES]) -> [Self; LANES] {
-        let mut out = [Self([0.0; LANES]); LANES];
-        for lane in 0..LANES {
-            for column in 0..LANES {
-                out[column].0[lane] = rows[lane].0[column];
-            }
-        }
-        out
+        each(|column| Lanes(each(|lane| rows[lane].0[column]))).map(|Lanes(column)| Self(column))
     }
 }
 
@@ -372,56 +316,26 @@ impl Word for U32 {
     type Mask = Mask16;
     type F32 = F32;
 
-    #[inline(always)]
-    fn splat(x: u32) -> Self {
-        Self([x; LANES])
-    }
+    common!(u32);
 
     #[inline(always)]
     fn shl<const N: u32>(self) -> Self {
-        self.map(|a| a << N)
+        Self(each(|i| self.0[i] << N))
     }
 
     #[inline(always)]
     fn shr<const N: u32>(self) -> Self {
-        self.map(|a| a >> N)
-    }
-
-    #[inline(always)]
-    fn equal(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a == b)
-    }
-
-    #[inline(always)]
-    fn lt(self, b: Self) -> Mask16 {
-        Mask16::test(self.0, b.0, |a, b| a < b)
-    }
-
-    #[inline(always)]
-    fn select(self, mask: Mask16, other: Self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = if mask.lane(i) { self.0[i] } else { other.0[i] };
-        }
-        out
+        Self(each(|i| self.0[i] >> N))
     }
 
     #[inline(always)]
     fn as_float(self) -> F32 {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = f32::from_bits(self.0[i]);
-        }
-        F32(out)
+        F32(each(|i| f32::from_bits(self.0[i])))
     }
 
     #[inline(always)]
     fn to_float(self) -> F32 {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i] as i32 as f32;
-        }
-        F32(out)
+        F32(each(|i| self.0[i] as i32 as f32))
     }
 }
 
@@ -445,25 +359,12 @@ impl WordLanes for U32 {
 
     #[inline(always)]
     fn gather(table: &[u32], index: Self) -> Self {
-        let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = table[index.0[i] as usize];
-        }
-        Self(out)
+        Self(each(|i| table[index.0[i] as usize]))
     }
 
     #[inline(always)]
     fn widen(self) -> U64 {
-        let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = u64::from(self.0[i]);
-        }
-        U64(out)
-    }
-
-    #[inline(always)]
-    fn compress(self, mask: Mask16) -> Self {
-        Self(compress(self.0, mask))
+        U64(each(|i| u64::from(self.0[i])))
     }
 }
 
@@ -477,39 +378,31 @@ impl Long for U64 {
 
     #[inline(always)]
     fn wrapping_add(self, b: Self) -> Self {
-        self.zip(b, u64::wrapping_add)
+        Self(each(|i| self.0[i].wrapping_add(b.0[i])))
     }
 
     #[inline(always)]
     fn wrapping_mul(self, b: Self) -> Self {
-        self.zip(b, u64::wrapping_mul)
+        Self(each(|i| self.0[i].wrapping_mul(b.0[i])))
     }
 
     #[inline(always)]
     fn shl<const N: u32>(self) -> Self {
-        self.map(|a| a << N)
+        Self(each(|i| self.0[i] << N))
     }
 
     #[inline(always)]
     fn shr<const N: u32>(self) -> Self {
-        self.map(|a| a >> N)
+        Self(each(|i| self.0[i] >> N))
     }
 
     #[inline(always)]
     fn low(self) -> U32 {
-        let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i] as u32;
-        }
-        U32(out)
+        U32(each(|i| self.0[i] as u32))
     }
 
     #[inline(always)]
     fn high(self) -> U32 {
-        let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = (self.0[i] >> 32) as u32;
-        }
-        U32(out)
+        U32(each(|i| (self.0[i] >> 32) as u32))
     }
 }

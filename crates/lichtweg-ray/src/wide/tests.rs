@@ -54,7 +54,6 @@ impl Kernel for Everything {
         floats(a.copysign(b));
         let odd = W::Mask::from_bits(0x5a3c);
         floats(a.select(odd, b));
-        floats(a.compress(odd));
         let (x, y) = (a.widen(), b.widen());
         floats((x + y).narrow());
         floats((x * y - x).narrow());
@@ -75,7 +74,6 @@ impl Kernel for Everything {
         words(p.shl::<7>());
         words(p.shr::<9>());
         words(p.select(odd, q));
-        words(p.compress(odd));
         words(p.to_float().bits());
         let (m, n) = (p.widen().shl::<32>() | q.widen(), W::U64::splat(0xbf58_476d_1ce4_e5b9));
         let mixed = (m ^ m.shr::<30>()).wrapping_mul(n).wrapping_add(m);

@@ -236,10 +236,10 @@ impl<O: PathObserver> Step<'_, O> {
     /// What sixteen walks do at their vertices.
     #[inline(always)]
     fn vertices<W: Wide>(&mut self, walks: WalkLanes<W>, at: usize, active: u32, hits: &HitPacket) {
-        let fast = if self.observer.watches(self.depth) {
-            0
-        } else {
+        let fast = if W::REGISTERS && !self.observer.watches(self.depth) {
             self.simple_vertices::<W>(walks, active, hits)
+        } else {
+            0
         };
         for lane in lanes_of(active & !fast) {
             self.vertex(at + lane, hits, lane);
