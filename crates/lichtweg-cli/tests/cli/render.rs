@@ -209,3 +209,22 @@ fn images_say_how_they_were_made() {
     assert!(metadata(&exr, "sceneHash").starts_with("sha256:"));
     assert!(metadata(&exr, "seconds").parse::<f64>().unwrap() >= 0.0);
 }
+
+/// Registers of sixteen lanes, pairs of eight, and arrays, which go one by one: all give the same bits. A machine that has not all
+/// of them takes its best twice.
+#[test]
+fn instruction_sets_render_the_same_bits() {
+    let place = Workplace::new();
+    for scene in ["builtin:cornell-box", "builtin:veach-mis"] {
+        for integrator in ["path", "light", "bdpt"] {
+            let images = ["avx512", "avx2", "portable"].map(|isa| {
+                let options = ["render", scene, "--integrator", integrator, "--size", "40x30", "--spp", "4"];
+                let mut command = place.command(&[&options[..], &["-o", "isa.pfm"]].concat());
+                assert!(command.env("LICHTWEG_ISA", isa).output().unwrap().status.success());
+                fs::read(place.path("isa.pfm")).unwrap()
+            });
+            assert!(images[0] == images[1], "{scene}, {integrator}: AVX2 is not AVX-512");
+            assert!(images[0] == images[2], "{scene}, {integrator}: arrays are not AVX-512");
+        }
+    }
+}

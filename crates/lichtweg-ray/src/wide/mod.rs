@@ -1,8 +1,8 @@
 //! Sixteen lanes on whatever the machine has: kernels that follow sixteen rays or paths at a time.
 //!
 //! A kernel is written once over [`Wide`], and [`dispatch`] runs it on the best instruction set of the machine: one
-//! 512-bit register a quantity with AVX-512, two of 256 bits with AVX2, arrays elsewhere. Every
-//! operation is exactly rounded and treats NaN alike, so that all instruction sets give the same bits.
+//! 512-bit register a quantity with AVX-512, two of 256 bits with AVX2, arrays elsewhere. Every operation is exactly rounded and
+//! treats NaN alike, so that all instruction sets give the same bits.
 //!
 //! ```
 //! use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, Lanes, Wide};

@@ -366,7 +366,11 @@ impl<V: WalkVisitor> Kernel for Step<'_, '_, V> {
             let active = (1 << numbers.len()) - 1;
             let rays = travellers.ray.packet();
             let hits = self.walk.scene.accel().closest_packet(&rays, active);
-            let done = if V::WIDE && W::REGISTERS && wide { self.together::<W>(travellers, active, &hits) } else { 0 };
+            let done = if V::WIDE && W::REGISTERS && wide {
+                self.together::<W>(travellers, active, &hits)
+            } else {
+                0
+            };
             for lane in lanes_of(active & !done) {
                 self.alone(numbers[lane] as usize, &hits, lane);
             }
