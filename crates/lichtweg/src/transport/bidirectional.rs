@@ -230,7 +230,7 @@ impl<S: ContributionSink> WalkVisitor for FromLight<'_, '_, '_, S> {
 
     #[inline(always)]
     fn is_wide(&self) -> bool {
-        Self::WIDE && !self.has_lens && self.joiner.sensor.camera.is_fixed()
+        !self.has_lens && self.joiner.sensor.camera.is_fixed()
     }
 
     fn first_link(&mut self, walk: u32, receiver: &Receiver) -> f32 {

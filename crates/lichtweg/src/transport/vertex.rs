@@ -87,7 +87,7 @@ pub struct Departure {
     pub infinite: bool,
     /// c of the next vertex.
     pub link: f32,
-    /// (c + sum) / p^b of this vertex and those before.
+    /// What raised by b is (c_i + sum_{i-1}) / p_i^b, with x_i the vertex.
     pub chain: f32,
     /// See [`Receiver::normal`]; zero where a walk begins.
     pub normal: Vec3,

@@ -65,10 +65,10 @@ pub trait WalkVisitor {
     /// Whether it can deal with simple vertices sixteen at a time, rather than to be told of each. Those that cannot need no kernels.
     const WIDE: bool = false;
 
-    /// Whether it does so here.
+    /// Whether one that can does so here.
     #[inline(always)]
     fn is_wide(&self) -> bool {
-        Self::WIDE
+        true
     }
 
     /// c of a walk's first surface vertex, 1 unless the end is connected to it otherwise than it was sampled.
@@ -154,7 +154,7 @@ impl Crowd {
 
 impl<'a> Walk<'a> {
     /// Sends the travellers of a crowd to the ends of their walks, and appends their surface vertices to an empty `path`; of a visitor
-    /// that is [`WalkVisitor::is_wide`] only those that it was told of.
+    /// that is [`WalkVisitor::WIDE`] only those that it was told of.
     pub fn run(
         &self,
         crowd: &mut Crowd,
