@@ -9,26 +9,9 @@ use super::mis;
 use super::packets::RayLanes;
 use super::vertex_lanes::VertexLanes;
 use super::visibility::{Candidate, SHADOW_END};
+use super::wave::SpectrumLanes;
 use super::wave::lights::{LightLanes, lights};
-use crate::color::{Spectra, Spectrum};
 use crate::lanes::lanes_of;
-
-/// A spectrum of each lane.
-pub(super) struct SpectrumLanes([Lanes<f32>; 4]);
-
-impl SpectrumLanes {
-    #[inline(always)]
-    pub fn new<F: FloatLanes>(spectra: Spectra<F>) -> Self {
-        let [a, b, c, d] = spectra.0;
-        Self([a.to_lanes(), b.to_lanes(), c.to_lanes(), d.to_lanes()])
-    }
-
-    #[inline(always)]
-    pub fn get(&self, lane: usize) -> Spectrum {
-        let [a, b, c, d] = &self.0;
-        Spectra([a.0[lane], b.0[lane], c.0[lane], d.0[lane]])
-    }
-}
 
 impl<S: ContributionSink> Joiner<'_, '_, S> {
     /// See [`Joiner::connect_to_light`].

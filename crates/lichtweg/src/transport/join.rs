@@ -13,13 +13,13 @@ use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Mask, Wi
 
 use super::bidirectional::{Bidirectional, ContributionSink, Pair};
 use super::connect::{Joiner, keep};
-use super::connect_lanes::SpectrumLanes;
 use super::joint::{Joint, Joints, Kind, Label, Reach, connect, lobes_of, reach, reach_lobes};
 use super::light_end::LightStart;
 use super::packets::{RayLanes, rows_of};
 use super::partners::{Block, BlockKind, Partners};
 use super::vertex::Vertex;
 use super::visibility::{Candidate, End, SHADOW_END, Way};
+use super::wave::SpectrumLanes;
 use super::wave::lobes::Models;
 use crate::bsdf::Mode;
 use crate::color::{Spectra, Spectrum};

@@ -7,7 +7,7 @@ use lichtweg_ray::{Ray, RayPacket};
 use super::wave::queue::{BUCKETS, bucket};
 use crate::scene::{RayCounts, Scene};
 
-/// A row that means nothing.
+/// A row that means nothing, to point at where a lane has none.
 pub static NO_ROW: Row = Lanes([0.0; LANES]);
 
 /// Elements of a row that are those of a ray: origin, direction, ends, time.
@@ -89,7 +89,7 @@ impl Order {
         self.buckets.clear();
         self.order.clear();
         self.order.resize(directions.len(), 0);
-        self.buckets.extend(directions.map(bucket));
+        self.buckets.extend(directions.map(|d| bucket(d) as u8));
         for &bucket in &self.buckets {
             next[usize::from(bucket) + 1] += 1;
         }

@@ -4,8 +4,8 @@ use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes}
 
 use super::points::{Arrivals, Points};
 use super::queue::{NO_PDF, WalkLanes};
-use super::{PathObserver, Step, lanes_of, load_vector, set_vector};
-use crate::color::{Spectra, Spectrum};
+use super::{PathObserver, SpectrumLanes, Step, lanes_of, load_vector, set_vector};
+use crate::color::Spectra;
 use crate::light::{Cone, Receiver, Sight};
 use crate::scene::description::LightStrategy;
 use crate::transport::mis;
@@ -58,14 +58,10 @@ impl<O: PathObserver> Step<'_, O> {
             }
         }
         lit = lit.and_not(W::Mask::from_bits(left));
-        let emitted = walks.throughput * (radiance * weight);
-        let [r, g, b, c] = emitted.0;
-        let values = [r.to_lanes(), g.to_lanes(), b.to_lanes(), c.to_lanes()];
+        let emitted = SpectrumLanes::new(walks.throughput * (radiance * weight));
         let paths = walks.path.to_lanes();
         for lane in lanes_of(lit.bits()) {
-            let value: Spectrum =
-                Spectra([values[0].0[lane], values[1].0[lane], values[2].0[lane], values[3].0[lane]]);
-            self.wave.radiance[paths.0[lane] as usize] += value;
+            self.wave.radiance[paths.0[lane] as usize] += emitted.get(lane);
         }
         left
     }

@@ -3,13 +3,14 @@
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::{NO_ROW, lanes_of, lanes_of_vector, load_spectra, load_vector, set_vector, vec3};
+use super::{SpectrumLanes, lanes_of, lanes_of_vector, load_vector, set_vector, vec3};
 use crate::color::Spectra;
 use crate::lanes::warp;
 use crate::light::{Cone, LightChoice, Receiver, Sight, pdf_leaving};
 use crate::scene::offset::offset;
 use crate::scene::{Facets, Scene, Sphere};
 use crate::transport::light_end;
+use crate::transport::packets::NO_ROW;
 
 /// Sixteen points chosen on lights, as seen from points: [`LightSample`](crate::light::LightSample) in lanes.
 pub struct LightLanes<W: Wide> {
@@ -100,7 +101,7 @@ fn other_lights<W: Wide>(
 ) {
     let mut direction = [Lanes::splat(0.0); 3];
     let mut target = direction;
-    let mut radiance = [Lanes::splat(0.0); 4];
+    let mut radiance = SpectrumLanes::new(Spectra([W::F32::splat(0.0); 4]));
     let (mut pdf, mut start, mut leaving) = (Lanes::splat(1.0), Lanes::splat(1.0), Lanes::splat(1.0));
     let mut spread = Lanes::splat(1.0);
     let (mut valid, mut near, mut delta) = (0, 0, 0);
@@ -115,9 +116,7 @@ fn other_lights<W: Wide>(
             near |= 1 << lane;
             set_vector(&mut target, lane, point);
         }
-        for (to, from) in radiance.iter_mut().zip(sample.radiance.0) {
-            to.0[lane] = from;
-        }
+        radiance.set(lane, sample.radiance);
         pdf.0[lane] = sample.pdf;
         let density = light.emission_density(&sample, point.as_ref(), scene);
         (start.0[lane], leaving.0[lane]) = (density.start, density.leaving);
@@ -131,7 +130,7 @@ fn other_lights<W: Wide>(
     out.delta = mask(delta);
     out.direction = load_vector::<W>(&direction).select(here, out.direction);
     out.target = load_vector::<W>(&target).select(here, out.target);
-    out.radiance = load_spectra::<W>(&radiance).select(here, out.radiance);
+    out.radiance = radiance.load::<W::F32>().select(here, out.radiance);
     out.pdf = W::F32::load(&pdf).select(here, out.pdf);
     out.start = W::F32::load(&start).select(here, out.start);
     out.leaving = W::F32::load(&leaving).select(here, out.leaving);

@@ -19,7 +19,7 @@ mod scatter;
 
 use lichtweg_montecarlo::{Sampler, SamplerKind};
 use lichtweg_ray::math::{Vec3, Vector};
-use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Mask, Row, Wide, Word, WordLanes};
+use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Mask, Wide, Word, WordLanes};
 use lichtweg_ray::{HitPacket, Ray, RayPacket};
 
 use super::path::Walk;
@@ -163,17 +163,9 @@ fn lanes_from(at: usize, len: usize) -> u32 {
 /// The numbers of the lanes.
 const NUMBERS: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Rows to point at where a lane has none.
-static NO_ROW: Row = Lanes([0.0; LANES]);
-
 #[inline(always)]
 fn load_vector<W: Wide>(v: &[Lanes<f32>; 3]) -> Vector<W::F32> {
     Vector::new(W::F32::load(&v[0]), W::F32::load(&v[1]), W::F32::load(&v[2]))
-}
-
-#[inline(always)]
-fn load_spectra<W: Wide>(s: &[Lanes<f32>; 4]) -> Spectra<W::F32> {
-    Spectra([W::F32::load(&s[0]), W::F32::load(&s[1]), W::F32::load(&s[2]), W::F32::load(&s[3])])
 }
 
 #[inline(always)]
@@ -190,6 +182,37 @@ pub(super) fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
 #[inline(always)]
 fn set_vector(to: &mut [Lanes<f32>; 3], lane: usize, v: Vec3) {
     (to[0].0[lane], to[1].0[lane], to[2].0[lane]) = (v.x, v.y, v.z);
+}
+
+/// A spectrum of each lane, in memory.
+pub(super) struct SpectrumLanes([Lanes<f32>; 4]);
+
+impl SpectrumLanes {
+    #[inline(always)]
+    pub fn new<F: FloatLanes>(spectra: Spectra<F>) -> Self {
+        let [a, b, c, d] = spectra.0;
+        Self([a.to_lanes(), b.to_lanes(), c.to_lanes(), d.to_lanes()])
+    }
+
+    /// The reverse.
+    #[inline(always)]
+    pub fn load<F: FloatLanes>(&self) -> Spectra<F> {
+        let [a, b, c, d] = &self.0;
+        Spectra([F::load(a), F::load(b), F::load(c), F::load(d)])
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Spectrum {
+        let [a, b, c, d] = &self.0;
+        Spectra([a.0[lane], b.0[lane], c.0[lane], d.0[lane]])
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, spectrum: Spectrum) {
+        for i in 0..4 {
+            self.0[i].0[lane] = spectrum.0[i];
+        }
+    }
 }
 
 impl<O: PathObserver> Kernel for Step<'_, O> {

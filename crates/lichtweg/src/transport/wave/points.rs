@@ -5,9 +5,11 @@ use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
 use super::lobes::Models;
-use super::{NO_ROW, lanes_of, load_spectra, load_vector, set_vector};
+use super::{SpectrumLanes, lanes_of, load_vector, set_vector};
 use crate::bsdf::Frame;
+use crate::color::Spectra;
 use crate::scene::{Facets, Form, LobeMaterial, Scene, Sphere};
+use crate::transport::packets::NO_ROW;
 
 /// What sixteen walks have hit, as far as they can be dealt with at once.
 pub struct Arrivals<'a> {
@@ -158,17 +160,14 @@ impl<'a> Arrivals<'a> {
         let mut columns = W::F32::columns(&rows);
         if textured != 0 {
             let [r, g, b, c, ..] = columns;
-            let mut values = [r.to_lanes(), g.to_lanes(), b.to_lanes(), c.to_lanes()];
+            let mut values = SpectrumLanes::new(Spectra([r, g, b, c]));
             for lane in lanes_of(textured) {
                 let (Some(material), Some(hit)) = (self.materials[lane], self.hits.get(lane)) else {
                     continue;
                 };
-                let value = self.scene.lobe_reflectance(material, &hit, front_bits >> lane & 1 != 0);
-                for (to, from) in values.iter_mut().zip(value.0) {
-                    to.0[lane] = from;
-                }
+                values.set(lane, self.scene.lobe_reflectance(material, &hit, front_bits >> lane & 1 != 0));
             }
-            columns[..4].copy_from_slice(&load_spectra::<W>(&values).0);
+            columns[..4].copy_from_slice(&values.load::<W::F32>().0);
         }
         let mirrored = LobeMaterial::is_two_sided(&columns).and_not(front);
         let frame = Frame::from_normal((-normal).select(mirrored, normal));

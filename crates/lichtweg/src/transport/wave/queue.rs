@@ -84,23 +84,13 @@ impl Paths {
 pub const BUCKETS: usize = 24;
 
 #[inline(always)]
-pub fn bucket(d: Vec3) -> u8 {
-    let a = d.abs();
-    let y = u8::from(a.x < a.y);
-    let axis = if a.x.max(a.y) < a.z { 2 } else { y };
-    axis * 8 + u8::from(d.x < 0.0) + u8::from(d.y < 0.0) * 2 + u8::from(d.z < 0.0) * 4
-}
-
-/// [`bucket`] of sixteen directions.
-#[inline(always)]
-fn buckets<W: Wide>(d: Vector<W::F32>) -> Lanes<u32> {
-    let number = W::U32::splat;
-    let nothing = number(0);
-    let zero = W::F32::splat(0.0);
+pub fn bucket<F: Float>(d: Vector<F>) -> F::Bits {
+    let number = F::Bits::splat;
+    let (zero, nothing) = (F::splat(0.0), number(0));
     let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
     let axis = number(16).select(x.max(y).lt(z), number(8).select(x.lt(y), nothing));
-    let sign = |c: W::F32, bit| number(bit).select(c.lt(zero), nothing);
-    (axis + sign(d.x, 1) + sign(d.y, 2) + sign(d.z, 4)).to_lanes()
+    let sign = |c: F, bit| number(bit).select(c.lt(zero), nothing);
+    axis + sign(d.x, 1) + sign(d.y, 2) + sign(d.z, 4)
 }
 
 /// Walks on their way to their next vertices.
@@ -195,7 +185,7 @@ impl WalkQueue {
             f32::from_bits(path),
             f32::from_bits(walk.sampler.dimension()),
         ]);
-        self.push_row(&row, bucket(d));
+        self.push_row(&row, bucket(d) as u8);
     }
 
     /// Appends the lanes whose mask is true.
@@ -220,7 +210,7 @@ impl WalkQueue {
             w.path.as_float(),
             w.dimension.as_float(),
         ]);
-        let buckets = buckets::<W>(d);
+        let buckets = bucket(d).to_lanes();
         for lane in lanes_of(mask.bits()) {
             self.push_row(&rows[lane], buckets.0[lane] as u8);
         }
