@@ -35,6 +35,7 @@ use super::walk::{Crowd, Survival, Walk, WalkVisitor};
 use super::wave::{lanes_of_vector, vec3};
 use crate::bsdf::Mode;
 use crate::color::Spectrum;
+use crate::lanes::BELOW_ONE;
 use crate::lanes::lanes_of;
 use crate::light::Receiver;
 use crate::scene::Scene;
@@ -49,6 +50,8 @@ pub struct Bidirectional {
     pub(super) hide_emitters: bool,
     /// Walks from lights that a walk from the eye is joined with.
     pub(super) partners: u32,
+    /// Points on lights that each vertex of a walk from the eye is connected with.
+    pub(super) lights: u32,
 }
 
 /// A path that one strategy made.
@@ -221,7 +224,7 @@ impl<S> FromLight<'_, '_, '_, S> {
     fn link(&self, walk: u32, receiver: &Receiver) -> f32 {
         let Joiner { scene, settings, .. } = *self.joiner;
         let start = self.starts[walk as usize].as_ref();
-        settings.once() * start.map_or(0.0, |start| start.first_link(receiver, scene))
+        settings.lit() * start.map_or(0.0, |start| start.first_link(receiver, scene))
     }
 }
 
@@ -289,6 +292,7 @@ impl Bidirectional {
             },
             hide_emitters: description.hide_emitters,
             partners: 1,
+            lights: 1,
         }
     }
 
@@ -298,11 +302,28 @@ impl Bidirectional {
         Self { partners: partners.max(1), ..self }
     }
 
+    /// Connects each vertex of a walk from the eye with so many points on lights.
+    pub fn with_lights(self, lights: u32) -> Self {
+        Self { lights: lights.max(1), ..self }
+    }
+
     /// c of the strategies of which there is one path for each pair, where those that join two walks have `partners` (Veach 1997,
     /// section 9.2.1: the weights are of densities times numbers of samples).
     #[inline]
     pub(super) fn once(&self) -> f32 {
         1.0 / self.partners as f32
+    }
+
+    /// c of the strategies with a single vertex chosen on a light, of which there are `lights` for each walk from the eye.
+    #[inline]
+    pub(super) fn lit(&self) -> f32 {
+        self.lights as f32 * self.once()
+    }
+
+    /// The random number that chooses a light, for one after the other of those that a vertex is connected with: they are stratified.
+    #[inline(always)]
+    pub(super) fn stratified<F: Float>(&self, number: u32, u: F) -> F {
+        ((F::splat(number as f32) + u) * F::splat(1.0 / self.lights as f32)).min(F::splat(BELOW_ONE))
     }
 
     /// Whether vertices of this number are joined with those of the other walk.

@@ -102,7 +102,8 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
             1.0
         } else {
             let once = self.settings.once();
-            let others = others_of_hit(self.scene, light, vertex, &from.receiver(), heuristic, once);
+            let lit = self.settings.lit();
+            let others = others_of_hit(self.scene, light, vertex, &from.receiver(), heuristic, lit);
             mis::share(heuristic, once, 0.0, others)
         };
         let lens = self.pair(vertex.walk).ray.origin;
@@ -130,7 +131,8 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
                 0 => self.direct_weight(),
                 _ => {
                     let (pdf, once) = (environment.pdf(direction), self.settings.once());
-                    let others = others_of_escape(self.scene, light, departure, pdf, heuristic, once);
+                    let lit = self.settings.lit();
+                    let others = others_of_escape(self.scene, light, departure, pdf, heuristic, lit);
                     mis::share(heuristic, once, 0.0, others)
                 }
             };
@@ -153,10 +155,23 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         if self.settings.hide_emitters { 0.0 } else { 1.0 }
     }
 
-    /// s = 1: the last vertex and a point on a light that is chosen for it.
+    /// s = 1: the last vertex and points on lights that are chosen for it.
     pub fn connect_to_light(&mut self, eye: Trail<'_, '_>, sampler: &mut Sampler) {
         let Some(vertex) = eye.last().filter(|v| v.scatterer.bsdf.connects()) else { return };
-        let (u_light, u, u_keep) = (sampler.next_1d(), sampler.next_2d(), sampler.next_1d());
+        for number in 0..self.settings.lights {
+            let u_light = self.settings.stratified(number, sampler.next_1d());
+            self.connect_to_one_light(eye, vertex, u_light, sampler);
+        }
+    }
+
+    fn connect_to_one_light(
+        &mut self,
+        eye: Trail<'_, '_>,
+        vertex: &Vertex<'_>,
+        u_light: f32,
+        sampler: &mut Sampler,
+    ) {
+        let (u, u_keep) = (sampler.next_2d(), sampler.next_1d());
         let Some(event) = NextEvent::sample(self.scene, &vertex.receiver(), u_light, u) else { return };
         let scattering = vertex.scatter(event.sample.direction, Mode::Radiance);
         if scattering.value.is_zero() {
@@ -170,8 +185,9 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         };
         let arriving = event.emission_over_connection(scattering.cos);
         let others = arriving * vertex.others.root(heuristic, scattering.pdf_back);
-        let weight = mis::share(heuristic, once, light, others);
-        let value = vertex.throughput * scattering.value * event.sample.radiance * (1.0 / event.pdf());
+        let weight = mis::share(heuristic, self.settings.lit(), light, others);
+        let density = event.pdf() * self.settings.lights as f32;
+        let value = vertex.throughput * scattering.value * event.sample.radiance * (1.0 / density);
         let &Pair { ref ray, expected, .. } = self.pair(vertex.walk);
         let (kept, compensation) = keep(expected, (value * weight).max_element(), u_keep);
         if !kept {

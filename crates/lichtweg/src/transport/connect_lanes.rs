@@ -17,9 +17,16 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
     /// See [`Joiner::connect_to_light`].
     #[inline(always)]
     pub fn connect_to_lights<W: Wide>(&mut self, vertices: &mut VertexLanes<W>) {
+        for number in 0..self.settings.lights {
+            let u_light = self.settings.stratified(number, vertices.draws.next_1d());
+            self.connect_to_light_each(vertices, u_light);
+        }
+    }
+
+    #[inline(always)]
+    fn connect_to_light_each<W: Wide>(&mut self, vertices: &mut VertexLanes<W>, u_light: W::F32) {
         let splat = W::F32::splat;
-        let (u_light, u) = (vertices.draws.next_1d(), vertices.draws.next_2d());
-        let u_keep = vertices.draws.next_1d();
+        let (u, u_keep) = (vertices.draws.next_2d(), vertices.draws.next_1d());
         let (lobes, points) = (&vertices.lobes, &vertices.points);
         let normal = lobes.materials.frame.normal;
         let light = lights::<W>(self.scene, points.position, normal, u_light, u, vertices.lanes.bits());
@@ -28,15 +35,16 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         if !lit.any() {
             return;
         }
-        let Bidirectional { heuristic, .. } = *self.settings;
+        let Bidirectional { heuristic, lights: count, .. } = *self.settings;
         let once = splat(self.settings.once());
         let pdf = light.probability * light.pdf;
         let hit = splat(0.0).select(light.delta, once * scattering.pdf / pdf);
         let start = self.emitters::<W>(&light, lit.bits()) * light.start;
         let arriving = start * light.leaving * scattering.cos / (pdf * light.spread);
         let others = arriving * vertices.others.root(heuristic, scattering.pdf_back);
-        let weight = mis::share(heuristic, once, hit, others);
-        let value = vertices.throughput * scattering.value * light.radiance * (splat(1.0) / pdf);
+        let weight = mis::share(heuristic, splat(self.settings.lit()), hit, others);
+        let density = pdf * splat(count as f32);
+        let value = vertices.throughput * scattering.value * light.radiance * (splat(1.0) / density);
         let walk = vertices.walk.to_lanes();
         let expected = self.expected(&walk, lit.bits());
         let (kept, compensation) = keep(W::F32::load(&expected), (value * weight).max_element(), u_keep);

@@ -237,7 +237,11 @@ impl ExplicitPath {
                 1 => connection_pdf,
                 _ => self.vertices[..s].iter().map(|v| v.pdf_from_light).product(),
             };
-            let paths = if s < 2 || n - s < 2 { 1 } else { settings.partners };
+            let paths = match (s, n - s) {
+                (0, _) | (_, 0 | 1) => 1,
+                (1, _) => settings.lights,
+                _ => settings.partners,
+            };
             f64::from(paths) * light * self.vertices[s..].iter().map(|v| v.pdf_from_eye).product::<f64>()
         };
         let pdfs: Vec<f64> = (0..=n).map(pdf).collect();

@@ -117,7 +117,7 @@ pub fn connection_pdf_area(scene: &Scene, light: u32, receiver: &Receiver, on_li
     scene.selection().probability(receiver, light, on_light.primitive) * pdf
 }
 
-/// Stands for all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`; `once` is c of the
+/// Stands for all other strategies for a path that ran into an area light at `vertex`, coming from `receiver`; `lit` is c of the
 /// strategy that connects the two.
 pub fn others_of_hit(
     scene: &Scene,
@@ -125,14 +125,14 @@ pub fn others_of_hit(
     vertex: &Vertex<'_>,
     receiver: &Receiver,
     heuristic: Heuristic,
-    once: f32,
+    lit: f32,
 ) -> f32 {
     let Some((_, area_light)) = scene.area_light(&vertex.point) else { return 0.0 };
     let connection = connection_pdf_area(scene, light, receiver, &vertex.point);
     let emission = area_light.emission_density(&vertex.point, vertex.wo, scene);
     let start = scene.selection().emitter_probability(light) * emission.start;
     let Others { connected, shorter } = vertex.others;
-    norm(heuristic, once * connection * connected, start * emission.leaving * shorter)
+    norm(heuristic, lit * connection * connected, start * emission.leaving * shorter)
 }
 
 /// The same for a path that left the scene towards a light around it.
@@ -142,14 +142,14 @@ pub fn others_of_escape(
     departure: &Departure,
     pdf_direction: f32,
     heuristic: Heuristic,
-    once: f32,
+    lit: f32,
 ) -> f32 {
     let Others { connected, shorter } = departure.arrive(1.0, departure.cos);
     let selection = scene.selection();
     let connection = selection.probability(&departure.receiver(), light, 0) * pdf_direction;
     let start = selection.emitter_probability(light) * pdf_direction;
     let leaving = scene.surroundings().disk_pdf();
-    norm(heuristic, once * connection * connected, start * leaving * shorter)
+    norm(heuristic, lit * connection * connected, start * leaving * shorter)
 }
 
 /// A point on a light that a vertex of a walk from the eye was connected to.

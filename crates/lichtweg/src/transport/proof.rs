@@ -68,7 +68,7 @@ fn everything(aperture_radius: f32) -> Description {
 const PARTNERS: u32 = 3;
 
 fn tracer(d: &Description) -> Bidirectional {
-    Bidirectional::new(&d.integrator).with_partners(PARTNERS)
+    Bidirectional::new(&d.integrator).with_partners(PARTNERS).with_lights(2)
 }
 
 /// The pairs of one sample of all pixels of a description.
@@ -217,7 +217,7 @@ fn lists(d: &Description, pairs: &[Pair], row: usize, partners: u32, alone: bool
     let scene = compile_scene(d);
     let (camera, size) = sensor_camera(d);
     let (mut workspace, mut counts) = (Workspace::default(), WalkCounts::default());
-    let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
+    let tracer = Bidirectional::new(&d.integrator).with_partners(partners).with_lights(partners);
     let mut lists = Lists(vec![Vec::new(); pairs.len()]);
     let sensor = sensor(&camera, size);
     if alone {
@@ -286,7 +286,7 @@ fn pairs_go_together_as_they_go_alone() {
     // Every other pair plays for its connections.
     pairs.iter_mut().step_by(2).for_each(|pair| pair.expected = 1.0);
     for (partners, row) in [(1, 1), (3, 32)] {
-        let tracer = Bidirectional::new(&d.integrator).with_partners(partners);
+        let tracer = Bidirectional::new(&d.integrator).with_partners(partners).with_lights(partners);
         let mut follow = |pairs: &[Pair]| {
             let mut lists = Lists(vec![Vec::new(); pairs.len()]);
             let mut keep = |c: &Contribution<'_, '_>| lists.keep(c);

@@ -35,6 +35,9 @@ const TOGETHER: u32 = 1024;
 /// Walks from lights that each walk from the eye is joined with.
 const PARTNERS: u32 = 16;
 
+/// Points on lights that each vertex of a walk from the eye is connected with.
+const LIGHTS: u32 = 2;
+
 /// The splats of a tile's samples.
 #[derive(Default)]
 pub(super) struct TileSplats {
@@ -62,7 +65,7 @@ impl TileSplats {
 /// Bidirectional path tracing as a description asks for it.
 pub(super) fn bidirectional(description: &Description) -> Bidirectional {
     let partners = if description.moves() { 1 } else { PARTNERS };
-    Bidirectional::new(&description.integrator).with_partners(partners)
+    Bidirectional::new(&description.integrator).with_partners(partners).with_lights(LIGHTS)
 }
 
 impl Splatting {
