@@ -240,7 +240,7 @@ impl<S: ContributionSink> WalkVisitor for FromLight<'_, '_, '_, S> {
     #[inline(always)]
     fn first_links<W: Wide>(&mut self, vertices: &VertexLanes<W>) -> W::F32 {
         let (position, normal) = (vertices.points.position, vertices.lobes.materials.frame.normal);
-        let (position, normal) = (lanes_of_vector::<W>(position), lanes_of_vector::<W>(normal));
+        let (position, normal) = (lanes_of_vector(position), lanes_of_vector(normal));
         let walk = vertices.walk.to_lanes();
         let mut links = Lanes::splat(0.0);
         for lane in lanes_of(vertices.lanes.bits()) {

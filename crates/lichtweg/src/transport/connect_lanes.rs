@@ -41,7 +41,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         let expected = self.expected(&walk, lit.bits());
         let (kept, compensation) = keep(W::F32::load(&expected), (value * weight).max_element(), u_keep);
         let origin = points.leave(light.direction);
-        let rays = RayLanes::<W> {
+        let rays = RayLanes {
             origin,
             direction: (light.target - origin).select(light.near, light.direction),
             tnear: splat(0.0),
@@ -93,7 +93,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         let (kept, compensation) = keep(W::F32::load(&expected), (value * weight).max_element(), u_keep);
         let (direction, tnear) = look.toward(points);
         let tfar = splat(1.0 - SHADOW_END);
-        let rays = RayLanes::<W> { origin: lens, direction, tnear, tfar, time: vertices.time };
+        let rays = RayLanes { origin: lens, direction, tnear, tfar, time: vertices.time };
         let mask = seen & scattering.value.is_lit() & kept;
         let (value, weight) = (SpectrumLanes::new(value * compensation), weight.to_lanes());
         let (walk, s) = (vertices.walk.to_lanes(), vertices.number + 1);

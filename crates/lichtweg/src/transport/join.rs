@@ -318,7 +318,7 @@ impl<S: ContributionSink> Kernel for Look<'_, '_, '_, S> {
             let z = Joint::new(&W::F32::columns(&rows_of(&numbers[1][..count], |i| &eye.rows[i])));
             let [origin, direction] = z.point.toward(&y.point);
             let (tnear, tfar) = (W::F32::splat(0.0), W::F32::splat(1.0 - SHADOW_END));
-            let rays = RayLanes::<W> { origin, direction, tnear, tfar, time: W::F32::load(&time) };
+            let rays = RayLanes { origin, direction, tnear, tfar, time: W::F32::load(&time) };
             let pairs = joiner.pairs;
             joiner.queue.append(&rays, W::Mask::from_bits((1 << count) - 1), |queue, lane| {
                 let Connection { light: y, eye: z, value, weight } = connections[lane];

@@ -1,9 +1,10 @@
 //! Many rays, a row of memory each, traced sixteen at a time: those that go the same way together.
 
 use lichtweg_ray::math::{Vec3, Vector};
-use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
+use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
 use lichtweg_ray::{Ray, RayPacket};
 
+use super::wave::lanes_of_vector;
 use super::wave::queue::{BUCKETS, bucket};
 use crate::scene::{RayCounts, Scene};
 
@@ -13,36 +14,20 @@ pub static NO_ROW: Row = Lanes([0.0; LANES]);
 /// Elements of a row that are those of a ray: origin, direction, ends, time.
 pub const RAY: usize = 9;
 
-/// A ray as a row, whose other elements are free.
-#[inline]
-pub fn ray_row(ray: &Ray) -> Row {
-    let (o, d) = (ray.origin, ray.direction);
-    let mut row = NO_ROW;
-    row.0[..RAY].copy_from_slice(&[o.x, o.y, o.z, d.x, d.y, d.z, ray.tnear, ray.tfar, ray.time]);
-    row
-}
-
-/// The ray of a row.
-#[inline]
-pub fn row_ray(Lanes(r): &Row) -> Ray {
-    let vector = |i: usize| Vec3::new(r[i], r[i + 1], r[i + 2]);
-    Ray::new(vector(0), vector(3)).between(r[6], r[7]).at_time(r[8])
-}
-
-/// Sixteen rays in registers.
+/// A ray as its row has it; or as many as `F` has lanes.
 #[derive(Clone, Copy)]
-pub struct RayLanes<W: Wide> {
-    pub origin: Vector<W::F32>,
-    pub direction: Vector<W::F32>,
-    pub tnear: W::F32,
-    pub tfar: W::F32,
-    pub time: W::F32,
+pub struct RayLanes<F> {
+    pub origin: Vector<F>,
+    pub direction: Vector<F>,
+    pub tnear: F,
+    pub tfar: F,
+    pub time: F,
 }
 
-impl<W: Wide> RayLanes<W> {
+impl<F: Float> RayLanes<F> {
     /// From the columns of rows.
     #[inline(always)]
-    pub fn new(c: &[W::F32; LANES]) -> Self {
+    pub fn new(c: &[F; LANES]) -> Self {
         Self {
             origin: Vector::new(c[0], c[1], c[2]),
             direction: Vector::new(c[3], c[4], c[5]),
@@ -54,24 +39,40 @@ impl<W: Wide> RayLanes<W> {
 
     /// As columns, with what else the rows shall hold.
     #[inline(always)]
-    pub fn columns(&self, rest: [W::F32; LANES - RAY]) -> [W::F32; LANES] {
+    pub fn columns(&self, rest: [F; LANES - RAY]) -> [F; LANES] {
         let (o, d) = (self.origin, self.direction);
         let [a, b, c, e, f, g, h] = rest;
         [o.x, o.y, o.z, d.x, d.y, d.z, self.tnear, self.tfar, self.time, a, b, c, e, f, g, h]
     }
+}
 
+impl<F: FloatLanes> RayLanes<F> {
     /// As the ray engine takes them.
     #[inline(always)]
     pub fn packet(&self) -> RayPacket {
-        let (o, d) = (self.origin, self.direction);
         RayPacket {
-            origin: [o.x.to_lanes(), o.y.to_lanes(), o.z.to_lanes()],
-            direction: [d.x.to_lanes(), d.y.to_lanes(), d.z.to_lanes()],
+            origin: lanes_of_vector(self.origin),
+            direction: lanes_of_vector(self.direction),
             tnear: self.tnear.to_lanes(),
             tfar: self.tfar.to_lanes(),
             time: self.time.to_lanes(),
             ..RayPacket::default()
         }
+    }
+}
+
+impl From<Ray> for RayLanes<f32> {
+    #[inline(always)]
+    fn from(ray: Ray) -> Self {
+        let Ray { origin, direction, tnear, tfar, time, .. } = ray;
+        Self { origin, direction, tnear, tfar, time }
+    }
+}
+
+impl From<RayLanes<f32>> for Ray {
+    #[inline(always)]
+    fn from(ray: RayLanes<f32>) -> Self {
+        Ray::new(ray.origin, ray.direction).between(ray.tnear, ray.tfar).at_time(ray.time)
     }
 }
 
@@ -134,7 +135,7 @@ pub fn transmittance(
 ) {
     out.clear();
     if scene.has_holes() {
-        out.extend(rays.iter().map(|row| scene.transmittance(&row_ray(row), counts)));
+        out.extend(rays.iter().map(|row| scene.transmittance(&RayLanes::new(&row.0).into(), counts)));
         return;
     }
     counts.occlusion += rays.len() as u64;
@@ -158,7 +159,7 @@ impl Kernel for Shadows<'_> {
     fn run<W: Wide>(self) {
         for numbers in self.order.groups() {
             let rows = rows_of(numbers, |i| &self.rays[i]);
-            let packet = RayLanes::<W>::new(&W::F32::columns(&rows)).packet();
+            let packet = RayLanes::new(&W::F32::columns(&rows)).packet();
             let occluded = self.scene.accel().occluded_packet(&packet, (1 << numbers.len()) - 1);
             for (lane, &number) in numbers.iter().enumerate() {
                 self.out[number as usize] = if occluded >> lane & 1 == 0 { 1.0 } else { 0.0 };

@@ -1,10 +1,10 @@
 //! Walks on their way to their next vertices: two cache lines each, which sixteen at a time become columns in registers.
 
 use lichtweg_montecarlo::{Sampler, SamplerKind, SamplerState};
-use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Row, Wide, Word};
 
-use super::packets::{RAY, RayLanes, ray_row, row_ray, rows_of};
+use super::packets::{RayLanes, rows_of};
 use super::vertex::{Departure, Trail};
 use super::wave::Draws;
 use crate::color::Spectra;
@@ -40,85 +40,81 @@ impl Traveller {
     #[inline]
     pub(super) fn rows(&self) -> TravellerRows {
         let Self { departure: d, walk, last, eta, scale, .. } = *self;
-        let (state, Spectra(t), p, n) = (self.sampler.state(), d.throughput, d.position, d.normal);
-        let mut rows = [ray_row(&d.ray), Row::splat(0.0)];
-        let infinite = if d.infinite { 1.0 } else { 0.0 };
-        rows[0].0[RAY..].copy_from_slice(&[t[0], t[1], t[2], t[3], d.pdf, d.cos, infinite]);
-        let bits = f32::from_bits;
-        let (low, high) = (state.key as u32, (state.key >> 32) as u32);
-        rows[1].0 = [
-            p.x,
-            p.y,
-            p.z,
-            n.x,
-            n.y,
-            n.z,
-            d.link,
-            d.chain,
+        let SamplerState { key, index, dimension } = self.sampler.state();
+        let lanes = TravellerLanes {
+            ray: d.ray.into(),
+            throughput: d.throughput,
+            pdf: d.pdf,
+            cos: d.cos,
+            infinite: if d.infinite { 1.0 } else { 0.0 },
+            position: d.position,
+            normal: d.normal,
+            link: d.link,
+            chain: d.chain,
             eta,
             scale,
-            bits(walk),
-            bits(last),
-            bits(low),
-            bits(high),
-            bits(state.index),
-            bits(state.dimension),
-        ];
-        rows
+            walk,
+            last,
+            key: [key as u32, (key >> 32) as u32],
+            index,
+            dimension,
+        };
+        let [a, b] = lanes.columns();
+        [Lanes(a), Lanes(b)]
     }
 
     /// With random numbers of a kind.
     #[inline]
-    pub(super) fn from_rows([a, Lanes(b)]: &TravellerRows, kind: SamplerKind) -> Self {
-        let t = &a.0[RAY..];
-        let vector = |i: usize| Vec3::new(b[i], b[i + 1], b[i + 2]);
-        let word = |i: usize| b[i].to_bits();
-        let key = u64::from(word(13)) << 32 | u64::from(word(12));
+    pub(super) fn from_rows([Lanes(a), Lanes(b)]: &TravellerRows, kind: SamplerKind) -> Self {
+        let lanes = TravellerLanes::<f32>::new(a, b);
+        let TravellerLanes { key: [low, high], index, dimension, .. } = lanes;
         let departure = Departure {
-            ray: row_ray(a),
-            position: vector(0),
-            throughput: Spectra([t[0], t[1], t[2], t[3]]),
-            pdf: t[4],
-            cos: t[5],
-            infinite: t[6] != 0.0,
-            link: b[6],
-            chain: b[7],
-            normal: vector(3),
+            ray: lanes.ray.into(),
+            position: lanes.position,
+            throughput: lanes.throughput,
+            pdf: lanes.pdf,
+            cos: lanes.cos,
+            infinite: lanes.infinite != 0.0,
+            link: lanes.link,
+            chain: lanes.chain,
+            normal: lanes.normal,
         };
-        let state = SamplerState { key, index: word(14), dimension: word(15) };
+        let state = SamplerState { key: u64::from(high) << 32 | u64::from(low), index, dimension };
         let sampler = Sampler::from_state(kind, state);
-        Self { walk: word(10), departure, sampler, last: word(11), eta: b[8], scale: b[9] }
+        let TravellerLanes { walk, last, eta, scale, .. } = lanes;
+        Self { walk, departure, sampler, last, eta, scale }
     }
 }
 
-/// Sixteen travellers in registers.
+/// A traveller as its rows have it; or as many as `F` has lanes.
 #[derive(Clone, Copy)]
-pub struct TravellerLanes<W: Wide> {
-    pub ray: RayLanes<W>,
-    pub throughput: Spectra<W::F32>,
-    pub pdf: W::F32,
-    pub cos: W::F32,
+pub struct TravellerLanes<F: Float> {
+    pub ray: RayLanes<F>,
+    pub throughput: Spectra<F>,
+    pub pdf: F,
+    pub cos: F,
     /// Not zero where the vertex is infinitely far.
-    pub infinite: W::F32,
-    pub position: Vector<W::F32>,
-    pub normal: Vector<W::F32>,
-    pub link: W::F32,
-    pub chain: W::F32,
-    pub eta: W::F32,
-    pub scale: W::F32,
-    pub walk: W::U32,
-    pub last: W::U32,
-    pub draws: Draws<W>,
+    pub infinite: F,
+    pub position: Vector<F>,
+    pub normal: Vector<F>,
+    pub link: F,
+    pub chain: F,
+    pub eta: F,
+    pub scale: F,
+    pub walk: F::Bits,
+    pub last: F::Bits,
+    /// Of the state of the sampler, as are the next two: lower and upper half.
+    key: [F::Bits; 2],
+    index: F::Bits,
+    pub dimension: F::Bits,
 }
 
-impl<W: Wide> TravellerLanes<W> {
-    /// Those of some numbers; what is behind them means nothing.
+impl<F: Float> TravellerLanes<F> {
+    /// From the columns of rows.
     #[inline(always)]
-    pub fn load(travellers: &[TravellerRows], numbers: &[u32], kind: SamplerKind) -> Self {
-        let a: [W::F32; LANES] = W::F32::columns(&rows_of(numbers, |i| &travellers[i][0]));
-        let b: [W::F32; LANES] = W::F32::columns(&rows_of(numbers, |i| &travellers[i][1]));
+    fn new(a: &[F; LANES], b: &[F; LANES]) -> Self {
         Self {
-            ray: RayLanes::new(&a),
+            ray: RayLanes::new(a),
             throughput: Spectra([a[9], a[10], a[11], a[12]]),
             pdf: a[13],
             cos: a[14],
@@ -131,46 +127,53 @@ impl<W: Wide> TravellerLanes<W> {
             scale: b[9],
             walk: b[10].bits(),
             last: b[11].bits(),
-            draws: Draws {
-                kind,
-                key: [b[12].bits(), b[13].bits()],
-                index: b[14].bits(),
-                dimension: b[15].bits(),
-            },
+            key: [b[12].bits(), b[13].bits()],
+            index: b[14].bits(),
+            dimension: b[15].bits(),
         }
+    }
+
+    #[inline(always)]
+    fn columns(&self) -> [[F; LANES]; 2] {
+        let ([r, g, b, c], p, n) = (self.throughput.0, self.position, self.normal);
+        let (walk, last) = (self.walk.as_float(), self.last.as_float());
+        let [low, high] = [self.key[0].as_float(), self.key[1].as_float()];
+        let (index, dimension) = (self.index.as_float(), self.dimension.as_float());
+        let Self { link, chain, eta, scale, .. } = *self;
+        [
+            self.ray.columns([r, g, b, c, self.pdf, self.cos, self.infinite]),
+            [p.x, p.y, p.z, n.x, n.y, n.z, link, chain, eta, scale, walk, last, low, high, index, dimension],
+        ]
+    }
+}
+
+impl<F: FloatLanes> TravellerLanes<F> {
+    /// Those of some numbers; what is behind them means nothing.
+    #[inline(always)]
+    pub fn load(travellers: &[TravellerRows], numbers: &[u32]) -> Self {
+        let a = F::columns(&rows_of(numbers, |i| &travellers[i][0]));
+        let b = F::columns(&rows_of(numbers, |i| &travellers[i][1]));
+        Self::new(&a, &b)
     }
 
     /// The rows of all lanes.
     #[inline(always)]
     pub fn rows(&self) -> [[Row; LANES]; 2] {
-        let ([r, g, b, c], p, n) = (self.throughput.0, self.position, self.normal);
-        let Draws { key: [low, high], index, dimension, .. } = self.draws;
-        [
-            W::F32::rows(self.ray.columns([r, g, b, c, self.pdf, self.cos, self.infinite])),
-            W::F32::rows([
-                p.x,
-                p.y,
-                p.z,
-                n.x,
-                n.y,
-                n.z,
-                self.link,
-                self.chain,
-                self.eta,
-                self.scale,
-                self.walk.as_float(),
-                self.last.as_float(),
-                low.as_float(),
-                high.as_float(),
-                index.as_float(),
-                dimension.as_float(),
-            ]),
-        ]
+        let [a, b] = self.columns();
+        [F::rows(a), F::rows(b)]
+    }
+
+    /// What is left of their random numbers, of a kind.
+    #[inline(always)]
+    pub fn draws<W: Wide<F32 = F, U32 = F::Bits>>(&self, kind: SamplerKind) -> Draws<W> {
+        Draws { kind, key: self.key, index: self.index, dimension: self.dimension }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use lichtweg_ray::math::Vec3;
+
     use super::*;
     use crate::color::Spectrum;
 

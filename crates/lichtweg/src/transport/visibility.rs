@@ -2,10 +2,10 @@
 
 use lichtweg_ray::Ray;
 use lichtweg_ray::math::{Vec3, Vector};
-use lichtweg_ray::wide::{Float, FloatLanes, Mask, Row, Wide};
+use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row};
 
 use super::light_end::LightEnd;
-use super::packets::{self, Order, RayLanes, ray_row};
+use super::packets::{self, Order, RAY, RayLanes};
 use crate::color::Spectrum;
 use crate::lanes::lanes_of;
 use crate::light::LightSample;
@@ -126,19 +126,19 @@ impl ShadowQueue {
     /// Appends a path.
     #[inline]
     pub fn push(&mut self, ray: Ray, candidate: Candidate) {
-        self.rays.push(ray_row(&ray));
+        self.rays.push(Lanes(RayLanes::from(ray).columns([0.0; LANES - RAY])));
         self.candidates.push(candidate);
     }
 
     /// Appends the paths of the lanes whose mask is true.
     #[inline(always)]
-    pub fn append<W: Wide>(
+    pub fn append<F: FloatLanes>(
         &mut self,
-        rays: &RayLanes<W>,
-        mask: W::Mask,
+        rays: &RayLanes<F>,
+        mask: F::Mask,
         mut candidate: impl FnMut(&mut Ways, usize) -> Candidate,
     ) {
-        let rows = W::F32::rows(rays.columns([W::F32::splat(0.0); 7]));
+        let rows = F::rows(rays.columns([F::splat(0.0); LANES - RAY]));
         for lane in lanes_of(mask.bits()) {
             self.rays.push(rows[lane]);
             self.candidates.push(candidate(&mut self.ways, lane));

@@ -362,7 +362,7 @@ impl<V: WalkVisitor> Kernel for Step<'_, '_, V> {
         let wide = self.visitor.is_wide() && !fault::is_any_seeded();
         let order = std::mem::take(&mut self.crowd.order);
         for numbers in order.groups() {
-            let travellers = TravellerLanes::<W>::load(&self.crowd.travellers, numbers, self.crowd.kind);
+            let travellers = TravellerLanes::<W::F32>::load(&self.crowd.travellers, numbers);
             let active = (1 << numbers.len()) - 1;
             let rays = travellers.ray.packet();
             let hits = self.walk.scene.accel().closest_packet(&rays, active);
@@ -401,7 +401,7 @@ impl<V: WalkVisitor> Step<'_, '_, V> {
 
     /// What sixteen walks do; which of them have been dealt with.
     #[inline(always)]
-    fn together<W: Wide>(&mut self, mut from: TravellerLanes<W>, active: u32, hits: &HitPacket) -> u32 {
+    fn together<W: Wide>(&mut self, mut from: TravellerLanes<W::F32>, active: u32, hits: &HitPacket) -> u32 {
         let (walk, number) = (self.walk, self.number);
         let mut arrivals = Arrivals::new(walk.scene, active, hits);
         if V::LIGHTS_ALONE {
@@ -429,7 +429,7 @@ impl<V: WalkVisitor> Step<'_, '_, V> {
             throughput: from.throughput,
             others: Others { connected: zero, shorter: zero },
             time: from.ray.time,
-            draws: from.draws,
+            draws: from.draws(self.crowd.kind),
         };
         if number == 1 {
             from.link = self.visitor.first_links(&vertices);
@@ -454,7 +454,7 @@ impl<V: WalkVisitor> Step<'_, '_, V> {
 
     /// Sends sixteen walks on.
     #[inline(always)]
-    fn leave<W: Wide>(&mut self, vertices: &VertexLanes<W>, from: TravellerLanes<W>) {
+    fn leave<W: Wide>(&mut self, vertices: &VertexLanes<W>, from: TravellerLanes<W::F32>) {
         let splat = W::F32::splat;
         let mut draws = vertices.draws;
         // No model of a single lobe asks which.
@@ -487,7 +487,7 @@ impl<V: WalkVisitor> Step<'_, '_, V> {
         next.normal = vertices.lobes.materials.frame.normal;
         next.link = splat(1.0);
         next.chain = vertices.others.root(self.walk.heuristic, vertices.lobes.pdf_back(wi));
-        next.draws = draws;
+        next.dimension = draws.dimension;
         let [a, b] = next.rows();
         self.crowd.next.extend(lanes_of(alive.bits()).map(|lane| [a[lane], b[lane]]));
     }

@@ -17,7 +17,7 @@ impl<O: PathObserver> Step<'_, O> {
     pub(super) fn emitted<W: Wide>(
         &mut self,
         arrivals: &Arrivals,
-        walks: &WalkLanes<W>,
+        walks: &WalkLanes<W::F32>,
         points: &Points<W>,
     ) -> u32 {
         let tracer = self.tracer;
@@ -50,7 +50,7 @@ impl<O: PathObserver> Step<'_, O> {
                         pdf = cone.pdf().select(on_sphere, pdf);
                         left = (weighed & on_sphere).and_not(cone.valid).bits();
                     }
-                    let probability = self.probabilities(arrivals, walks, weighed.bits());
+                    let probability = self.probabilities::<W>(arrivals, walks, weighed.bits());
                     let pdf_light = probability * pdf;
                     let mis = mis::weight(tracer.heuristic, walks.departure_pdf, pdf_light);
                     weight = mis.select(departed, weight);
@@ -68,7 +68,7 @@ impl<O: PathObserver> Step<'_, O> {
 
     /// With which probability connections from the departures would have chosen the lights.
     #[inline(always)]
-    fn probabilities<W: Wide>(&self, arrivals: &Arrivals, walks: &WalkLanes<W>, lanes: u32) -> W::F32 {
+    fn probabilities<W: Wide>(&self, arrivals: &Arrivals, walks: &WalkLanes<W::F32>, lanes: u32) -> W::F32 {
         let selection = self.scene.selection();
         let mut normals = [Lanes([0.0; LANES]); 3];
         if selection.is_by_place() {

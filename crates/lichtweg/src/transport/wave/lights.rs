@@ -83,7 +83,7 @@ pub fn lights<W: Wide>(
     out.probability = W::F32::load(&probability);
     out.choices = choices;
     if others != 0 {
-        let positions = lanes_of_vector::<W>(position);
+        let positions = lanes_of_vector(position);
         other_lights(scene, &positions, &choices, [&u, &u1.to_lanes()], others, &mut out);
     }
     out

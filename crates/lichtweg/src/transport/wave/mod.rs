@@ -90,7 +90,7 @@ impl Wave {
         debug_assert!(first.is_multiple_of(LANES) && draws.kind == self.paths.kind());
         self.paths.set_lanes::<W>(first, draws);
         let one = W::F32::splat(1.0);
-        let walks: WalkLanes<W> = WalkLanes {
+        let walks = WalkLanes {
             origin: rays.origin,
             direction: rays.direction,
             throughput: Spectra([one; 4]),
@@ -99,7 +99,7 @@ impl Wave {
             path: W::U32::splat(first as u32) + W::U32::load(&Lanes(NUMBERS)),
             dimension: draws.dimension,
         };
-        self.walks.append(&walks, W::Mask::from_bits(lanes_from(0, count)));
+        self.walks.append::<W>(&walks, W::Mask::from_bits(lanes_from(0, count)));
         self.clip[0].extend_from_slice(&rays.tnear.to_lanes().0[..count]);
         self.clip[1].extend_from_slice(&rays.tfar.to_lanes().0[..count]);
         self.radiance.resize(first + count, Spectrum::ZERO);
@@ -169,7 +169,7 @@ fn load_vector<W: Wide>(v: &[Lanes<f32>; 3]) -> Vector<W::F32> {
 }
 
 #[inline(always)]
-pub(super) fn lanes_of_vector<W: Wide>(v: Vector<W::F32>) -> [Lanes<f32>; 3] {
+pub(super) fn lanes_of_vector<F: FloatLanes>(v: Vector<F>) -> [Lanes<f32>; 3] {
     [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
 }
 
@@ -228,7 +228,7 @@ impl<O: PathObserver> Kernel for Step<'_, O> {
         self.trace::<W>();
         let hits = std::mem::take(&mut self.wave.hits);
         for (at, hits) in (0..walks).step_by(LANES).zip(&hits) {
-            let lanes = self.wave.walks.lanes::<W>(at);
+            let lanes = self.wave.walks.lanes(at);
             self.vertices::<W>(lanes, at, lanes_from(at, walks), hits);
         }
         self.wave.hits = hits;
@@ -244,7 +244,7 @@ impl<O: PathObserver> Step<'_, O> {
         hits.clear();
         let mut rays = RayPacket::default();
         for at in (0..walks.len()).step_by(LANES) {
-            walks.lanes::<W>(at).rays(paths, &mut rays);
+            walks.lanes::<W::F32>(at).rays(paths, &mut rays);
             let active = lanes_from(at, walks.len());
             if self.depth == 1 {
                 for lane in lanes_of(active) {
@@ -258,7 +258,7 @@ impl<O: PathObserver> Step<'_, O> {
 
     /// What sixteen walks do at their vertices.
     #[inline(always)]
-    fn vertices<W: Wide>(&mut self, walks: WalkLanes<W>, at: usize, active: u32, hits: &HitPacket) {
+    fn vertices<W: Wide>(&mut self, walks: WalkLanes<W::F32>, at: usize, active: u32, hits: &HitPacket) {
         let fast = if W::REGISTERS && !self.observer.watches(self.depth) {
             self.simple_vertices::<W>(walks, active, hits)
         } else {
@@ -299,7 +299,7 @@ impl<O: PathObserver> Step<'_, O> {
         let count = wave.connections.len();
         let mut rays = RayPacket::default();
         for at in (0..count).step_by(LANES) {
-            wave.connections.rays::<W>(at, &wave.paths, &mut rays);
+            wave.connections.rays::<W::F32>(at, &wave.paths, &mut rays);
             let active = lanes_from(at, count);
             if scene.has_holes() {
                 for lane in lanes_of(active) {

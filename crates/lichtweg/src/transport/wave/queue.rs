@@ -10,7 +10,7 @@ use lichtweg_ray::{Ray, RayPacket};
 
 use super::super::path::{Connection, Departure, Walk};
 use super::draws::Draws;
-use super::lanes_of;
+use super::{lanes_of, lanes_of_vector};
 use crate::color::{Spectra, Spectrum};
 
 /// Walks in a queue, at most. More are sorted better, fewer stay in the cache.
@@ -106,29 +106,52 @@ pub(super) struct WalkQueue {
     order: Box<[u16]>,
 }
 
-/// Sixteen walks in registers.
+/// A walk as its row has it; or as many as `F` has lanes.
 #[derive(Clone, Copy)]
-pub(super) struct WalkLanes<W: Wide> {
-    pub origin: Vector<W::F32>,
-    pub direction: Vector<W::F32>,
-    pub throughput: Spectra<W::F32>,
-    pub departure: Vector<W::F32>,
-    pub departure_pdf: W::F32,
-    pub path: W::U32,
-    pub dimension: W::U32,
+pub(super) struct WalkLanes<F: Float> {
+    pub origin: Vector<F>,
+    pub direction: Vector<F>,
+    pub throughput: Spectra<F>,
+    pub departure: Vector<F>,
+    pub departure_pdf: F,
+    pub path: F::Bits,
+    pub dimension: F::Bits,
 }
 
-impl<W: Wide> WalkLanes<W> {
+impl<F: Float> WalkLanes<F> {
+    /// From the columns of rows.
+    #[inline(always)]
+    fn new(c: &[F; LANES]) -> Self {
+        Self {
+            origin: Vector::new(c[0], c[1], c[2]),
+            direction: Vector::new(c[3], c[4], c[5]),
+            throughput: Spectra([c[6], c[7], c[8], c[9]]),
+            departure: Vector::new(c[10], c[11], c[12]),
+            departure_pdf: c[13],
+            path: c[14].bits(),
+            dimension: c[15].bits(),
+        }
+    }
+
+    #[inline(always)]
+    fn columns(&self) -> [F; LANES] {
+        let (o, d, from) = (self.origin, self.direction, self.departure);
+        let ([r, g, b, c], pdf) = (self.throughput.0, self.departure_pdf);
+        let (path, dimension) = (self.path.as_float(), self.dimension.as_float());
+        [o.x, o.y, o.z, d.x, d.y, d.z, r, g, b, c, from.x, from.y, from.z, pdf, path, dimension]
+    }
+}
+
+impl<F: FloatLanes> WalkLanes<F> {
     /// The rays, without ends.
     #[inline(always)]
     pub fn rays(&self, paths: &Paths, rays: &mut RayPacket) {
-        let (o, d) = (self.origin, self.direction);
-        rays.origin = [o.x.to_lanes(), o.y.to_lanes(), o.z.to_lanes()];
-        rays.direction = [d.x.to_lanes(), d.y.to_lanes(), d.z.to_lanes()];
+        rays.origin = lanes_of_vector(self.origin);
+        rays.direction = lanes_of_vector(self.direction);
         rays.tnear = Lanes::splat(0.0);
         rays.tfar = Lanes::splat(f32::INFINITY);
         if paths.timed {
-            rays.time = W::F32::gather(&paths.time, self.path).to_lanes();
+            rays.time = F::gather(&paths.time, self.path).to_lanes();
         }
     }
 }
@@ -165,52 +188,23 @@ impl WalkQueue {
     /// Appends a walk, whose path is known to `paths`.
     #[inline]
     pub fn push(&mut self, walk: &Walk, path: u32) {
-        let (o, d, t) = (walk.ray.origin, walk.ray.direction, walk.throughput.0);
-        let from = walk.departure.position;
-        let row = Lanes([
-            o.x,
-            o.y,
-            o.z,
-            d.x,
-            d.y,
-            d.z,
-            t[0],
-            t[1],
-            t[2],
-            t[3],
-            from.x,
-            from.y,
-            from.z,
-            walk.departure.pdf.unwrap_or(NO_PDF),
-            f32::from_bits(path),
-            f32::from_bits(walk.sampler.dimension()),
-        ]);
-        self.push_row(&row, bucket(d) as u8);
+        let lanes = WalkLanes {
+            origin: walk.ray.origin,
+            direction: walk.ray.direction,
+            throughput: walk.throughput,
+            departure: walk.departure.position,
+            departure_pdf: walk.departure.pdf.unwrap_or(NO_PDF),
+            path,
+            dimension: walk.sampler.dimension(),
+        };
+        self.push_row(&Lanes(lanes.columns()), bucket(lanes.direction) as u8);
     }
 
     /// Appends the lanes whose mask is true.
     #[inline(always)]
-    pub fn append<W: Wide>(&mut self, w: &WalkLanes<W>, mask: W::Mask) {
-        let (o, d, from, t) = (w.origin, w.direction, w.departure, w.throughput.0);
-        let rows = W::F32::rows([
-            o.x,
-            o.y,
-            o.z,
-            d.x,
-            d.y,
-            d.z,
-            t[0],
-            t[1],
-            t[2],
-            t[3],
-            from.x,
-            from.y,
-            from.z,
-            w.departure_pdf,
-            w.path.as_float(),
-            w.dimension.as_float(),
-        ]);
-        let buckets = bucket(d).to_lanes();
+    pub fn append<W: Wide>(&mut self, walks: &WalkLanes<W::F32>, mask: W::Mask) {
+        let rows = W::F32::rows(walks.columns());
+        let buckets = bucket(walks.direction).to_lanes();
         for lane in lanes_of(mask.bits()) {
             self.push_row(&rows[lane], buckets.0[lane] as u8);
         }
@@ -244,50 +238,39 @@ impl WalkQueue {
     /// A walk, and which path it is of.
     #[inline]
     pub fn get(&self, at: usize, paths: &Paths) -> (Walk, u32) {
-        let r = &self.row(at).0;
-        let vector = |i: usize| Vec3::new(r[i], r[i + 1], r[i + 2]);
-        let path = r[14].to_bits();
-        let i = path as usize;
+        let lanes = WalkLanes::new(&self.row(at).0);
+        let i = lanes.path as usize;
         let key = u64::from(paths.key[1][i]) << 32 | u64::from(paths.key[0][i]);
-        let state = SamplerState { key, index: paths.index[i], dimension: r[15].to_bits() };
+        let state = SamplerState { key, index: paths.index[i], dimension: lanes.dimension };
+        let pdf = lanes.departure_pdf;
         let walk = Walk {
-            ray: Ray::new(vector(0), vector(3)).at_time(paths.time[i]),
-            throughput: Spectra([r[6], r[7], r[8], r[9]]),
+            ray: Ray::new(lanes.origin, lanes.direction).at_time(paths.time[i]),
+            throughput: lanes.throughput,
             eta: paths.eta[i],
             departure: Departure {
-                position: vector(10),
+                position: lanes.departure,
                 normal: paths.normal[i],
-                pdf: (r[13] != NO_PDF).then_some(r[13]),
+                pdf: (pdf != NO_PDF).then_some(pdf),
             },
             sampler: Sampler::from_state(paths.kind, state),
         };
-        (walk, path)
+        (walk, lanes.path)
     }
 
     /// Which path a walk is of.
     #[inline(always)]
     pub fn path(&self, at: usize) -> usize {
-        self.row(at).0[14].to_bits() as usize
+        WalkLanes::new(&self.row(at).0).path as usize
     }
 
     /// Sixteen walks from one on; what is behind the end is of no meaning.
     #[inline(always)]
-    pub fn lanes<W: Wide>(&self, at: usize) -> WalkLanes<W> {
+    pub fn lanes<F: FloatLanes>(&self, at: usize) -> WalkLanes<F> {
         let mut rows = [&self.rows[0]; LANES];
         for (lane, row) in rows.iter_mut().enumerate().take(self.len - at) {
             *row = self.row(at + lane);
         }
-        let [ox, oy, oz, dx, dy, dz, t0, t1, t2, t3, x, y, z, departure_pdf, path, dimension] =
-            W::F32::columns(&rows);
-        WalkLanes {
-            origin: Vector::new(ox, oy, oz),
-            direction: Vector::new(dx, dy, dz),
-            throughput: Spectra([t0, t1, t2, t3]),
-            departure: Vector::new(x, y, z),
-            departure_pdf,
-            path: path.bits(),
-            dimension: dimension.bits(),
-        }
+        WalkLanes::new(&F::columns(&rows))
     }
 }
 
@@ -300,14 +283,35 @@ pub(super) struct ConnectionQueue {
     rows: Box<[Row]>,
 }
 
-/// Sixteen connections in registers.
+/// A connection as its row has it; or as many as `F` has lanes.
 #[derive(Clone, Copy)]
-pub(super) struct ConnectionLanes<W: Wide> {
-    pub origin: Vector<W::F32>,
-    pub direction: Vector<W::F32>,
-    pub tfar: W::F32,
-    pub contribution: Spectra<W::F32>,
-    pub path: W::U32,
+pub(super) struct ConnectionLanes<F: Float> {
+    pub origin: Vector<F>,
+    pub direction: Vector<F>,
+    pub tfar: F,
+    pub contribution: Spectra<F>,
+    pub path: F::Bits,
+}
+
+impl<F: Float> ConnectionLanes<F> {
+    /// From the columns of rows.
+    #[inline(always)]
+    fn new(c: &[F; LANES]) -> Self {
+        Self {
+            origin: Vector::new(c[0], c[1], c[2]),
+            direction: Vector::new(c[3], c[4], c[5]),
+            tfar: c[6],
+            contribution: Spectra([c[7], c[8], c[9], c[10]]),
+            path: c[11].bits(),
+        }
+    }
+
+    #[inline(always)]
+    fn columns(&self) -> [F; LANES] {
+        let (o, d, [r, g, b, c], path) =
+            (self.origin, self.direction, self.contribution.0, self.path.as_float());
+        [o.x, o.y, o.z, d.x, d.y, d.z, self.tfar, r, g, b, c, path, path, path, path, path]
+    }
 }
 
 impl ConnectionQueue {
@@ -326,21 +330,17 @@ impl ConnectionQueue {
 
     #[inline]
     pub fn push(&mut self, connection: &Connection, path: u32) {
-        let (o, d, c) = (connection.ray.origin, connection.ray.direction, connection.contribution.0);
-        let tfar = connection.ray.tfar;
-        let path = f32::from_bits(path);
-        self.rows[self.len].0[..12]
-            .copy_from_slice(&[o.x, o.y, o.z, d.x, d.y, d.z, tfar, c[0], c[1], c[2], c[3], path]);
+        let Connection { ray, contribution } = *connection;
+        let (origin, direction, tfar) = (ray.origin, ray.direction, ray.tfar);
+        self.rows[self.len] =
+            Lanes(ConnectionLanes { origin, direction, tfar, contribution, path }.columns());
         self.len += 1;
     }
 
     /// Appends the lanes whose mask is true.
     #[inline(always)]
-    pub fn append<W: Wide>(&mut self, w: &ConnectionLanes<W>, mask: W::Mask) {
-        let (o, d, c, path) = (w.origin, w.direction, w.contribution.0, w.path.as_float());
-        let rows = W::F32::rows([
-            o.x, o.y, o.z, d.x, d.y, d.z, w.tfar, c[0], c[1], c[2], c[3], path, path, path, path, path,
-        ]);
+    pub fn append<F: FloatLanes>(&mut self, connections: &ConnectionLanes<F>, mask: F::Mask) {
+        let rows = F::rows(connections.columns());
         for lane in lanes_of(mask.bits()) {
             self.rows[self.len] = rows[lane];
             self.len += 1;
@@ -349,25 +349,25 @@ impl ConnectionQueue {
 
     /// The rays of sixteen connections from one on.
     #[inline(always)]
-    pub fn rays<W: Wide>(&self, at: usize, paths: &Paths, rays: &mut RayPacket) {
+    pub fn rays<F: FloatLanes>(&self, at: usize, paths: &Paths, rays: &mut RayPacket) {
         let mut rows = [&self.rows[0]; LANES];
         for (row, here) in rows.iter_mut().zip(&self.rows[at..self.len]) {
             *row = here;
         }
-        let [ox, oy, oz, dx, dy, dz, tfar, _, _, _, _, path, ..] = W::F32::columns(&rows);
-        rays.origin = [ox.to_lanes(), oy.to_lanes(), oz.to_lanes()];
-        rays.direction = [dx.to_lanes(), dy.to_lanes(), dz.to_lanes()];
+        let lanes = ConnectionLanes::new(&F::columns(&rows));
+        rays.origin = lanes_of_vector(lanes.origin);
+        rays.direction = lanes_of_vector(lanes.direction);
         rays.tnear = Lanes::splat(0.0);
-        rays.tfar = tfar.to_lanes();
+        rays.tfar = lanes.tfar.to_lanes();
         if paths.timed {
-            rays.time = W::F32::gather(&paths.time, path.bits()).to_lanes();
+            rays.time = F::gather(&paths.time, lanes.path).to_lanes();
         }
     }
 
     /// What a connection contributes, and the path it is of.
     #[inline(always)]
     pub fn contribution(&self, at: usize) -> (Spectrum, usize) {
-        let r = &self.rows[at].0;
-        (Spectra([r[7], r[8], r[9], r[10]]), r[11].to_bits() as usize)
+        let lanes = ConnectionLanes::new(&self.rows[at].0);
+        (lanes.contribution, lanes.path as usize)
     }
 }

@@ -20,7 +20,7 @@ impl<O: PathObserver> Step<'_, O> {
     #[inline(always)]
     pub(super) fn simple_vertices<W: Wide>(
         &mut self,
-        walks: WalkLanes<W>,
+        walks: WalkLanes<W::F32>,
         active: u32,
         hits: &HitPacket,
     ) -> u32 {
@@ -45,7 +45,7 @@ impl<O: PathObserver> Step<'_, O> {
     #[inline(always)]
     fn scatter<W: Wide>(
         &mut self,
-        mut walks: WalkLanes<W>,
+        mut walks: WalkLanes<W::F32>,
         points: &Points<W>,
         materials: &Materials<W>,
         lanes: W::Mask,
@@ -77,7 +77,7 @@ impl<O: PathObserver> Step<'_, O> {
             };
             let contribution = walks.throughput * (scattering * light.radiance * (weight / pdf));
             let origin = offset(points.position, points.error, points.geometric_normal, light.direction);
-            let connection = ConnectionLanes::<W> {
+            let connection = ConnectionLanes {
                 origin,
                 direction: (light.target - origin).select(light.near, light.direction),
                 tfar: splat(1.0 - SHADOW_END).select(light.near, splat(f32::INFINITY)),
@@ -112,12 +112,12 @@ impl<O: PathObserver> Step<'_, O> {
         walks.departure_pdf = if connects { proposal.pdf } else { splat(NO_PDF) };
         walks.dimension = draws.dimension;
         if self.scene.selection().is_by_place() {
-            let normals = lanes_of_vector::<W>(materials.frame.normal);
+            let normals = lanes_of_vector(materials.frame.normal);
             let path = walks.path.to_lanes();
             for lane in lanes_of(alive.bits()) {
                 self.wave.paths.normal[path.0[lane] as usize] = vec3(&normals, lane);
             }
         }
-        self.wave.next.append(&walks, alive);
+        self.wave.next.append::<W>(&walks, alive);
     }
 }
