@@ -3,6 +3,7 @@
 mod bidirectional;
 mod connect;
 mod connect_lanes;
+mod counting_sort;
 mod explicit;
 mod fault;
 mod join;
@@ -25,6 +26,7 @@ mod walk;
 mod wave;
 
 pub use bidirectional::{Bidirectional, Contribution, ContributionSink, Pair, Route, Teller, Workspace};
+pub(crate) use counting_sort::CountingSort;
 pub use explicit::{ExplicitPath, PathStrategy, PathVertex, VertexKind};
 pub use light::{LightTracer, walk_analog};
 pub use light_end::{LightEnd, LightStart};

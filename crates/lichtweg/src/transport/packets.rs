@@ -1,9 +1,10 @@
 //! Many rays, a row of memory each, traced sixteen at a time: those that go the same way together.
 
-use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
 use lichtweg_ray::{Ray, RayPacket};
 
+use super::counting_sort::CountingSort;
 use super::wave::lanes_of_vector;
 use super::wave::queue::{BUCKETS, bucket};
 use crate::scene::{RayCounts, Scene};
@@ -79,39 +80,21 @@ impl From<RayLanes<f32>> for Ray {
 /// Rays by direction.
 #[derive(Debug, Default)]
 pub struct Order {
-    order: Vec<u32>,
     buckets: Vec<u8>,
+    sorted: CountingSort,
 }
 
 impl Order {
-    /// Sorts rays of these directions; those that go the same way stay in their order.
-    pub fn sort(&mut self, directions: impl ExactSizeIterator<Item = Vec3>) {
-        let mut next = [0; BUCKETS + 1];
+    /// Sorts rays by rows; those that go the same way stay in their order.
+    pub fn sort<'r>(&mut self, rows: impl Iterator<Item = &'r Row>) {
         self.buckets.clear();
-        self.order.clear();
-        self.order.resize(directions.len(), 0);
-        self.buckets.extend(directions.map(|d| bucket(d) as u8));
-        for &bucket in &self.buckets {
-            next[usize::from(bucket) + 1] += 1;
-        }
-        for i in 1..BUCKETS {
-            next[i] += next[i - 1];
-        }
-        for (i, &bucket) in self.buckets.iter().enumerate() {
-            let to: &mut usize = &mut next[usize::from(bucket)];
-            self.order[*to] = i as u32;
-            *to += 1;
-        }
-    }
-
-    /// Sorts rays by rows.
-    pub fn sort_rows<'r>(&mut self, rows: impl ExactSizeIterator<Item = &'r Row>) {
-        self.sort(rows.map(|Lanes(r)| Vec3::new(r[3], r[4], r[5])));
+        self.buckets.extend(rows.map(|Lanes(row)| bucket(RayLanes::new(row).direction) as u8));
+        self.sorted.sort(BUCKETS, self.buckets.iter().map(|&bucket| bucket.into()));
     }
 
     /// The numbers of rays that go together.
     pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
-        self.order.chunks(LANES)
+        self.sorted.order().chunks(LANES)
     }
 }
 
@@ -140,7 +123,7 @@ pub fn transmittance(
     }
     counts.occlusion += rays.len() as u64;
     out.resize(rays.len(), 0.0);
-    order.sort_rows(rays.iter());
+    order.sort(rays.iter());
     wide::dispatch(Shadows { scene, rays, order, out });
 }
 

@@ -2,6 +2,7 @@
 
 use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
 
+use super::counting_sort::CountingSort;
 use super::joint::{Joints, Kind};
 use super::packets::rows_of;
 use super::vertex::Trail;
@@ -33,9 +34,7 @@ pub enum BlockKind {
 /// The vertices of walks from the lights, for each group of pairs.
 #[derive(Debug, Default)]
 pub struct Partners {
-    /// Where the vertices of each walk begin in `by_walk`.
-    first: Vec<u32>,
-    by_walk: Vec<u32>,
+    by_walk: CountingSort,
     /// Those of one group, by kind.
     kinds: [Vec<u32>; 3],
     blocks: Vec<Block>,
@@ -49,7 +48,8 @@ pub struct Partners {
 impl Partners {
     /// From the vertices of the walks of some pairs, in rows, groups of `partners` of which share theirs.
     pub fn gather(&mut self, light: &Joints, pairs: usize, row: usize, partners: usize) {
-        self.sort(light, pairs);
+        let walks = light.labels.iter().map(|label| label.walk as usize);
+        self.by_walk.sort(pairs, walks);
         let groups_a_row = row.div_ceil(partners);
         self.group.clear();
         self.group
@@ -63,8 +63,7 @@ impl Partners {
                 self.kinds.iter_mut().for_each(Vec::clear);
                 for partner in 0..partners {
                     let walk = first + (group + partner * groups_a_row) % row;
-                    for i in self.first[walk]..self.first[walk + 1] {
-                        let joint = self.by_walk[i as usize];
+                    for &joint in self.by_walk.of(walk) {
                         let kind = match light.labels[joint as usize].kind {
                             Kind::Reflector => 0,
                             Kind::Lobe(..) => 1,
@@ -113,25 +112,6 @@ impl Partners {
                 }
                 self.blocks.push(block);
             }
-        }
-    }
-
-    /// Puts the vertices of each walk together.
-    fn sort(&mut self, light: &Joints, walks: usize) {
-        self.first.clear();
-        self.first.resize(walks + 2, 0);
-        for label in &light.labels {
-            self.first[label.walk as usize + 2] += 1;
-        }
-        for i in 2..self.first.len() {
-            self.first[i] += self.first[i - 1];
-        }
-        self.by_walk.clear();
-        self.by_walk.resize(light.len(), 0);
-        for (i, label) in light.labels.iter().enumerate() {
-            let to = &mut self.first[label.walk as usize + 1];
-            self.by_walk[*to as usize] = i as u32;
-            *to += 1;
         }
     }
 

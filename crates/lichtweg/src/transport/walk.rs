@@ -175,7 +175,7 @@ impl<'a> Walk<'a> {
             }
             counts.edges += walks as u64;
             counts.rays.closest += walks as u64;
-            crowd.order.sort_rows(crowd.travellers.iter().map(|[row, _]| row));
+            crowd.order.sort(crowd.travellers.iter().map(|[row, _]| row));
             wide::dispatch(Step { walk: self, crowd, number, counts, path, visitor });
             std::mem::swap(&mut crowd.travellers, &mut crowd.next);
             crowd.next.clear();

@@ -12,7 +12,9 @@ use super::pass::Panic;
 use super::*;
 use crate::film::{Splat, SplatFilm};
 use crate::scene::description::EstimatorKind;
-use crate::transport::{Bidirectional, Contribution, ContributionSink, LightTracer, Pair, Sensor, Workspace};
+use crate::transport::{
+    Bidirectional, Contribution, ContributionSink, CountingSort, LightTracer, Pair, Sensor, Workspace,
+};
 
 /// An estimator whose samples fall anywhere on the film.
 #[derive(Clone, Copy, Debug)]
@@ -49,22 +51,11 @@ impl TileSplats {
 
     /// Appends the splats of samples of `row` pixels each, by sample.
     fn append(&mut self, splats: &[(u32, Splat)], samples: u32, row: u32) {
-        // Where the splats of each sample of a pixel go: they stay in their order.
-        let mut next = vec![0; (samples * row) as usize + 1];
-        for (number, _) in splats {
-            next[*number as usize + 1] += 1;
-        }
-        for i in 1..next.len() {
-            next[i] += next[i - 1];
-        }
+        let mut sorted = CountingSort::default();
+        sorted.sort((samples * row) as usize, splats.iter().map(|(number, _)| *number as usize));
         let first = self.splats.len();
-        self.ends.extend((1..=samples).map(|sample| first + next[(sample * row) as usize]));
-        self.splats.resize(first + splats.len(), Splat { place: [0.0; 2], value: [0.0; 3] });
-        for (number, splat) in splats {
-            let to = &mut next[*number as usize];
-            self.splats[first + *to] = *splat;
-            *to += 1;
-        }
+        self.ends.extend((1..=samples).map(|sample| first + sorted.start((sample * row) as usize)));
+        self.splats.extend(sorted.order().iter().map(|&i| splats[i as usize].1));
     }
 }
 
