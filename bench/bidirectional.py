@@ -40,14 +40,9 @@ def main():
     parser.add_argument("--no-mitsuba", action="store_true", help="leave out Mitsuba")
     parser.add_argument("--no-build", action="store_true", help="take the command as it was built last")
     options = parser.parse_args()
-    try:
-        if not options.no_build:
-            peers.build()
-        with tempfile.TemporaryDirectory() as folder:
-            table(options, Path(folder))
+    with peers.bench(options.no_build) as folder:
+        table(options, folder)
         costs(options)
-    except peers.Missing as problem:
-        sys.exit(f"error: {problem}")
 
 
 def table(options, folder):

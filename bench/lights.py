@@ -19,7 +19,6 @@ import math
 import random
 import statistics
 import sys
-import tempfile
 from pathlib import Path
 
 sys.dont_write_bytecode = True  # No __pycache__ in the source tree.
@@ -46,16 +45,11 @@ def main():
     parser.add_argument("--keep", type=Path, help="folder to keep the scenes in")
     parser.add_argument("--no-build", action="store_true", help="take the command as it was built last")
     options = parser.parse_args()
-    try:
-        if not options.no_build:
-            peers.build()
-        with tempfile.TemporaryDirectory() as folder:
-            folder = options.keep or Path(folder)
-            folder.mkdir(exist_ok=True)
-            costs(options, folder)
-            gains(options, folder)
-    except peers.Missing as problem:
-        sys.exit(f"error: {problem}")
+    with peers.bench(options.no_build) as folder:
+        folder = options.keep or folder
+        folder.mkdir(exist_ok=True)
+        costs(options, folder)
+        gains(options, folder)
 
 
 def costs(options, folder):

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -61,6 +62,18 @@ def find_llvm():
 def build():
     """Builds the command, optimised."""
     run(["cargo", "build", "--release"], "cargo could not build lichtweg", cwd=ROOT)
+
+
+@contextmanager
+def bench(no_build):
+    """A folder for the time of a measurement with the command, built now unless told not to; what is missing ends the program."""
+    try:
+        if not no_build:
+            build()
+        with tempfile.TemporaryDirectory() as folder:
+            yield Path(folder)
+    except Missing as problem:
+        sys.exit(f"error: {problem}")
 
 
 def run(command, otherwise, cwd=None):

@@ -11,10 +11,7 @@ per second of the rendering alone, the median of some renders, on a machine that
 import argparse
 import json
 import statistics
-import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
 sys.dont_write_bytecode = True  # No __pycache__ in the source tree.
 
@@ -34,22 +31,17 @@ def main():
     parser.add_argument("--threads", type=int, default=2, help="threads; the lecture's machine had two processors (default: %(default)s)")
     parser.add_argument("--no-build", action="store_true", help="take the command as it was built last")
     options = parser.parse_args()
-    try:
-        if not options.no_build:
-            peers.build()
-        runs = [render(options.threads) for _ in range(options.rounds)]
-    except peers.Missing as problem:
-        sys.exit(f"error: {problem}")
+    with peers.bench(options.no_build) as folder:
+        runs = [render(options.threads, folder) for _ in range(options.rounds)]
     report.write(README, table(runs, options.threads), MARKERS)
 
 
-def render(threads):
+def render(threads, folder):
     """The statistics of one render, whose picture replaces the last one."""
-    with tempfile.TemporaryDirectory() as folder:
-        stats = Path(folder) / "stats.json"
-        command = [peers.BINARY, "render", "builtin:street", "--threads", threads, "--output", PICTURE, "--stats", stats]
-        peers.run(command, "the street could not be rendered")
-        return json.loads(stats.read_text())
+    stats = folder / "stats.json"
+    command = [peers.BINARY, "render", "builtin:street", "--threads", threads, "--output", PICTURE, "--stats", stats]
+    peers.run(command, "the street could not be rendered")
+    return json.loads(stats.read_text())
 
 
 def table(runs, threads):

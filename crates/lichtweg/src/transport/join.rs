@@ -20,7 +20,6 @@ use super::partners::{Block, BlockKind, Partners};
 use super::vertex::Vertex;
 use super::visibility::{Candidate, End, SHADOW_END, Way};
 use super::wave::SpectrumLanes;
-use super::wave::lobes::Models;
 use crate::bsdf::Mode;
 use crate::color::{Spectra, Spectrum};
 use crate::lanes::lanes_of;
@@ -137,7 +136,7 @@ struct EyeEnd<'j, 'a, W: Wide> {
 
 enum EyeKind<'j, 'a, W: Wide> {
     Reflector,
-    Lobe { wo: Vector<W::F32>, material: [W::F32; LANES], models: Models },
+    Lobe { wo: Vector<W::F32>, material: [W::F32; LANES] },
     General(&'j Vertex<'a>),
 }
 
@@ -146,11 +145,10 @@ impl<'j, 'a, W: Wide> EyeEnd<'j, 'a, W> {
     fn new(ends: &Ends<'j, 'a>, number: usize, label: &Label) -> Self {
         let kind = match label.kind {
             Kind::Reflector => EyeKind::Reflector,
-            Kind::Lobe(model, lobe) => {
+            Kind::Lobe(lobe) => {
                 let [wo, material] = &ends.joints.lobes[lobe as usize];
                 let [x, y, z, ..] = spread::<W>(wo);
-                let (wo, material) = (Vector::new(x, y, z), spread::<W>(material));
-                EyeKind::Lobe { wo, material, models: Models::only(model) }
+                EyeKind::Lobe { wo: Vector::new(x, y, z), material: spread::<W>(material) }
             }
             Kind::General => EyeKind::General(&ends.alone[label.vertex as usize]),
         };
@@ -237,8 +235,8 @@ impl Join<'_, '_> {
         }
         let at_eye = match &eye.kind {
             EyeKind::Reflector => eye.joint.reflect(direction, Mode::Radiance),
-            EyeKind::Lobe { wo, material, models } => {
-                let lobes = lobes_of::<W>(&eye.joint, *wo, *material, *models, Mode::Radiance);
+            EyeKind::Lobe { wo, material } => {
+                let lobes = lobes_of::<W>(&eye.joint, *wo, *material, Mode::Radiance);
                 reach_lobes(&eye.joint, &lobes, direction, heuristic)
             }
             EyeKind::General(vertex) => one_by_one::<W>(direction, possible.bits(), |_, direction| {
@@ -248,11 +246,11 @@ impl Join<'_, '_> {
         let back = -direction;
         let at_light = match block.kind {
             BlockKind::Reflectors => light.reflect(back, Mode::Importance),
-            BlockKind::Lobes(models, number) => {
+            BlockKind::Lobes(number) => {
                 let [wo, material] = self.partners.lobes(number);
                 let [x, y, z, ..] = load::<W>(wo);
                 let (wo, material) = (Vector::new(x, y, z), load::<W>(material));
-                let lobes = lobes_of::<W>(&light, wo, material, models, Mode::Importance);
+                let lobes = lobes_of::<W>(&light, wo, material, Mode::Importance);
                 reach_lobes(&light, &lobes, back, heuristic)
             }
             BlockKind::General => one_by_one::<W>(back, possible.bits(), |lane, direction| {

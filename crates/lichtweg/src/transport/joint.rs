@@ -18,7 +18,6 @@ use super::mis;
 use super::vertex::{Others, Trail, Vertex};
 use super::vertex_lanes::{LobeLanes, VertexLanes};
 use super::visibility::ShadowPoint;
-use super::wave::lobes::Models;
 use super::wave::points::Materials;
 use crate::bsdf::{Diffuse, Frame, Mode};
 use crate::color::Spectra;
@@ -172,7 +171,7 @@ pub enum Kind {
     /// Diffusely.
     Reflector,
     /// By a single lobe, whose rows have this number.
-    Lobe(LobeModel, u32),
+    Lobe(u32),
     /// In any other way: its vertex tells.
     General,
 }
@@ -201,7 +200,7 @@ impl Joints {
     /// Appends the vertices of the lanes that reflect anything.
     #[inline(always)]
     pub fn append<W: Wide>(&mut self, vertices: &VertexLanes<W>, heuristic: Heuristic) {
-        let Materials { frame, columns, models } = &vertices.lobes.materials;
+        let Materials { frame, columns } = &vertices.lobes.materials;
         let joint = Joint {
             point: vertices.points,
             normal: frame.normal,
@@ -210,7 +209,7 @@ impl Joints {
         };
         let lobes = &vertices.lobes;
         let walk = vertices.walk.to_lanes();
-        let diffuse = vertices.lanes.bits() & models.diffuse();
+        let diffuse = (vertices.lanes & LobeModel::Diffuse.is_in(columns)).bits();
         if diffuse != 0 {
             let albedo = Diffuse::from_columns(columns).reflectance;
             let joint = joint.reflector(albedo, lobes.wo, lobes.mode, heuristic);
@@ -231,9 +230,8 @@ impl Joints {
                 x, y, z, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero,
             ]);
             for lane in lanes_of(others) {
-                let Some(model) = models.get(lane) else { continue };
                 self.rows.push(rows[lane]);
-                let kind = Kind::Lobe(model, self.lobes.len() as u32);
+                let kind = Kind::Lobe(self.lobes.len() as u32);
                 self.lobes.push([wo[lane], materials[lane]]);
                 let (walk, number) = (walk.0[lane], vertices.number);
                 self.labels.push(Label { walk, number, vertex: Trail::NONE, kind });
@@ -269,11 +267,10 @@ pub fn lobes_of<W: Wide>(
     joint: &Joint<W::F32>,
     wo: Vector<W::F32>,
     material: [W::F32; LANES],
-    models: Models,
     mode: Mode,
 ) -> LobeLanes<W> {
     // Lobes that tell one tangent from another are of no such material: any frame will do.
     let frame = Frame::from_normal(joint.normal);
-    let materials = Materials { frame, columns: material, models };
+    let materials = Materials { frame, columns: material };
     LobeLanes::new(materials, joint.point.geometric_normal, wo, mode)
 }

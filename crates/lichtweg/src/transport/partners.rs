@@ -6,7 +6,6 @@ use super::counting_sort::CountingSort;
 use super::joint::{Joints, Kind};
 use super::packets::rows_of;
 use super::vertex::Trail;
-use super::wave::lobes::Models;
 
 /// Sixteen vertices, a column a quantity.
 #[derive(Clone, Debug)]
@@ -26,7 +25,7 @@ pub enum BlockKind {
     /// Diffusely.
     Reflectors,
     /// By single lobes, whose columns have this number.
-    Lobes(Models, u32),
+    Lobes(u32),
     /// Each in its own way.
     General,
 }
@@ -85,18 +84,16 @@ impl Partners {
                 let kind = match kind {
                     0 => BlockKind::Reflectors,
                     1 => {
-                        let mut models = Models::NONE;
                         let mut rows = [0; LANES];
-                        for (lane, &joint) in joints.iter().enumerate() {
-                            if let Kind::Lobe(model, number) = light.labels[joint as usize].kind {
-                                models.set(lane, model);
-                                rows[lane] = number;
+                        for (row, &joint) in rows.iter_mut().zip(joints) {
+                            if let Kind::Lobe(number) = light.labels[joint as usize].kind {
+                                *row = number;
                             }
                         }
                         let rows = &rows[..joints.len()];
                         let column = |part: usize| columns(rows_of(rows, |i| &light.lobes[i][part]));
                         self.lobes.push([column(0), column(1)]);
-                        BlockKind::Lobes(models, self.lobes.len() as u32 - 1)
+                        BlockKind::Lobes(self.lobes.len() as u32 - 1)
                     }
                     _ => BlockKind::General,
                 };

@@ -172,6 +172,8 @@ impl<F: FloatLanes> TravellerLanes<F> {
 
 #[cfg(test)]
 mod tests {
+    use lichtweg_ray::math::Vec3;
+
     use super::*;
     use crate::color::Spectrum;
 

@@ -32,13 +32,13 @@ impl LobeModel {
         Self::RoughConductor(MicrofacetKind::Ggx),
     ];
 
-    /// As it is written in rows.
+    /// As it is written in rows; a row of zeros is of no model.
     #[inline(always)]
     fn number(self) -> f32 {
         match self {
-            Self::Diffuse => 0.0,
-            Self::RoughConductor(MicrofacetKind::Beckmann) => 1.0,
-            Self::RoughConductor(MicrofacetKind::Ggx) => 2.0,
+            Self::Diffuse => 1.0,
+            Self::RoughConductor(MicrofacetKind::Beckmann) => 2.0,
+            Self::RoughConductor(MicrofacetKind::Ggx) => 3.0,
         }
     }
 

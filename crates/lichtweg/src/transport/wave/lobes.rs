@@ -10,52 +10,6 @@ use crate::bsdf::{Diffuse, Lobe, Proposal, RoughConductor};
 use crate::color::Spectra;
 use crate::scene::LobeModel;
 
-/// The models there are, with the lanes of each.
-#[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Models([(LobeModel, u32); 3]);
-
-impl Models {
-    /// Without lanes.
-    pub const NONE: Self = {
-        let [a, b, c] = LobeModel::ALL;
-        Self([(a, 0), (b, 0), (c, 0)])
-    };
-
-    /// Those that the columns of [`LobeMaterial::rows`](crate::scene::LobeMaterial) tell, in some lanes.
-    #[inline(always)]
-    pub fn of<F: Float>(columns: &[F; LANES], lanes: u32) -> Self {
-        Self(LobeModel::ALL.map(|model| (model, model.is_in(columns).bits() & lanes)))
-    }
-
-    /// The same model in all lanes.
-    #[inline(always)]
-    pub fn only(model: LobeModel) -> Self {
-        let mut models = Self::NONE;
-        (0..LANES).for_each(|lane| models.set(lane, model));
-        models
-    }
-
-    /// Which model a lane has.
-    #[inline(always)]
-    pub fn get(&self, lane: usize) -> Option<LobeModel> {
-        self.0.iter().find(|(_, lanes)| lanes >> lane & 1 != 0).map(|(model, _)| *model)
-    }
-
-    /// The lanes of diffuse reflectors.
-    #[inline(always)]
-    pub fn diffuse(&self) -> u32 {
-        self.0[0].1
-    }
-
-    /// Says which model a lane has.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, model: LobeModel) {
-        for (one, lanes) in &mut self.0 {
-            *lanes |= u32::from(*one == model) << lane;
-        }
-    }
-}
-
 /// What is asked of every model.
 trait Visit<W: Wide> {
     /// The lobes of the lanes of a mask.
@@ -66,11 +20,11 @@ impl<W: Wide> Materials<W> {
     #[inline(always)]
     fn visit(&self, visit: &mut impl Visit<W>) {
         let columns: &[W::F32; LANES] = &self.columns;
-        for (model, lanes) in self.models.0 {
-            if lanes == 0 {
+        for model in LobeModel::ALL {
+            let lanes = model.is_in(columns);
+            if !lanes.any() {
                 continue;
             }
-            let lanes = W::Mask::from_bits(lanes);
             match model {
                 LobeModel::Diffuse => visit.lobe(lanes, &Diffuse::from_columns(columns)),
                 LobeModel::RoughConductor(kind) => {

@@ -12,7 +12,7 @@
 mod draws;
 mod emission;
 pub(super) mod lights;
-pub(super) mod lobes;
+mod lobes;
 pub(super) mod points;
 pub(super) mod queue;
 mod scatter;

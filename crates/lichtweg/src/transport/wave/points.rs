@@ -4,7 +4,6 @@ use lichtweg_ray::HitPacket;
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::lobes::Models;
 use super::{SpectrumLanes, lanes_of, load_vector, set_vector};
 use crate::bsdf::Frame;
 use crate::color::Spectra;
@@ -44,9 +43,8 @@ pub struct Points<W: Wide> {
 pub struct Materials<W: Wide> {
     /// See [`Scatterer::frame`](crate::scene::Scatterer).
     pub frame: Frame<W::F32>,
-    /// The columns of [`LobeMaterial::rows`].
+    /// The columns of [`LobeMaterial::rows`]; of no model where there is no point.
     pub columns: [W::F32; LANES],
-    pub(in super::super) models: Models,
 }
 
 impl<'a> Arrivals<'a> {
@@ -172,7 +170,7 @@ impl<'a> Arrivals<'a> {
         let mirrored = LobeMaterial::is_two_sided(&columns).and_not(front);
         let frame = Frame::from_normal((-normal).select(mirrored, normal));
         let bitangent = (-frame.bitangent).select(mirrored, frame.bitangent);
-        Materials { frame: Frame { bitangent, ..frame }, columns, models: Models::of(&columns, self.lanes) }
+        Materials { frame: Frame { bitangent, ..frame }, columns }
     }
 }
 
