@@ -13,7 +13,7 @@
 use lichtweg_montecarlo::Moments;
 use lichtweg_montecarlo::special::student_t_quantile;
 
-use crate::walk::{Tally, WalkError};
+use crate::walk::Tally;
 
 /// How well a number should be known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,14 +103,14 @@ const SPENT: f64 = 0.8;
 ///
 /// # Errors
 /// Those of the walks.
-pub fn estimate(
+pub fn estimate<E>(
     pilot: &[Tally],
     offset: f64,
     goal: &Goal,
     interval: Interval,
     most_steps: u64,
-    walk: impl Fn(u64, u64) -> Result<Vec<Tally>, WalkError>,
-) -> Result<Vec<Estimate>, WalkError> {
+    walk: impl Fn(u64, u64) -> Result<Vec<Tally>, E>,
+) -> Result<Vec<Estimate>, E> {
     let mut left = (1.0 - goal.confidence).max(1e-300);
     let mut tallies = vec![Tally::default(); pilot.len()];
     let (mut looks, mut walked) = (0, 0);

@@ -30,6 +30,7 @@ mod several;
 mod side;
 mod stages;
 mod walking;
+mod watch;
 
 use std::sync::OnceLock;
 
@@ -41,6 +42,7 @@ use crate::{Matrix, System};
 pub use answer::{Answer, Cost, Evidence, Functional, Method};
 pub use refusal::Refusal;
 pub use side::Choice;
+pub use watch::Watch;
 
 use answer::Entries;
 use proof::Proof;
@@ -68,6 +70,8 @@ pub struct Options {
     pub lengths: bool,
     /// Quasi-random walks, with error bars from independent scrambles.
     pub quasi: bool,
+    /// Told how far the solver is; a clone of it may stop it.
+    pub watch: Watch,
 }
 
 impl Default for Options {
@@ -83,6 +87,7 @@ impl Default for Options {
             rigorous: false,
             lengths: false,
             quasi: false,
+            watch: Watch::default(),
         }
     }
 }
@@ -103,6 +108,8 @@ pub struct Solver<'a> {
     /// Along rows, along columns.
     kept: [Kept; 2],
     source_start: OnceLock<Option<Start>>,
+    /// M b: what the next state scores on average.
+    next_score: OnceLock<Vec<f64>>,
     /// What factors would take.
     #[cfg(feature = "faer")]
     fill: OnceLock<Option<crate::direct::Fill>>,
@@ -126,6 +133,7 @@ impl<'a> Solver<'a> {
             proof: Proof::default(),
             kept: Default::default(),
             source_start: OnceLock::new(),
+            next_score: OnceLock::new(),
             #[cfg(feature = "faer")]
             fill: OnceLock::new(),
         }

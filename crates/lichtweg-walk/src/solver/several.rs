@@ -80,6 +80,7 @@ impl Solver<'_> {
         options: &Options,
     ) -> Result<Vec<Answer>, Refusal> {
         let Some((first, rest)) = targets.split_first() else { return Ok(Vec::new()) };
+        options.watch.begin(targets.len() as u64);
         let mut answers = Vec::with_capacity(targets.len());
         answers.push(self.alone(method, first, options)?);
         if !rest.is_empty() {
@@ -108,6 +109,7 @@ impl Solver<'_> {
 
     /// One functional by a method that serves no others.
     fn alone(&self, method: Method, target: &Entries, options: &Options) -> Result<Answer, Refusal> {
+        options.watch.check()?;
         self.check_convergence()?;
         let began = Instant::now();
         let answer = match method {
@@ -118,6 +120,7 @@ impl Solver<'_> {
                 self.walk_side(method, side.as_ref(), 0.0, 0, options)
             }
         }?;
+        options.watch.advance(1);
         Ok(Answer { seconds: began.elapsed().as_secs_f64(), ..answer })
     }
 
@@ -132,9 +135,21 @@ impl Solver<'_> {
         }
         let pilot_steps = pilot.first().map_or(0, |tally| tally.steps);
         let found = self.with_joint_walks(targets, options, |walker, weighted| {
-            let walk = |first, count| walker.tally_all(weighted, options.seed, first, count);
+            options.watch.begin(0);
+            let walk = |first: u64, count: u64| {
+                options.watch.expect(first + count);
+                let mut tallies = vec![Tally::default(); targets.len()];
+                for from in (0..count).step_by(SHOWN as usize) {
+                    options.watch.check()?;
+                    let part = SHOWN.min(count - from);
+                    let more = walker.tally_all(weighted, options.seed, first + from, part)?;
+                    tallies.iter_mut().zip(&more).for_each(|(tally, more)| tally.merge(more));
+                    options.watch.advance(part);
+                }
+                Ok(tallies)
+            };
             let (goal, most) = (&options.goal, options.most_steps);
-            Ok(estimate(&pilot, 0.0, goal, Interval::Student, most, walk)?)
+            estimate(&pilot, 0.0, goal, Interval::Student, most, walk)
         })?;
         let answer = |(found, target): (&Estimate, &Entries)| {
             let seldom = found.tally.nonzero < SELDOM && !found.reached;
@@ -217,6 +232,9 @@ impl Solver<'_> {
 
 /// Scores of forward walks for many that are too few for one of them.
 const SELDOM: u64 = 64;
+
+/// Walks for many after which it is told how far they are.
+const SHOWN: u64 = 1 << 14;
 
 /// Functionals that are found at a time.
 const GROUP: usize = 256;

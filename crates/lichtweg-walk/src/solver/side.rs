@@ -35,6 +35,8 @@ pub(super) struct Side<'a> {
     score: Cow<'a, [f64]>,
     /// Largest row sum of the kernel, where it is known to be below one.
     contraction: Option<f64>,
+    /// s^T r, without walks, where states score what the next one would on average; see [`tabulates`].
+    ahead: Option<f64>,
 }
 
 impl Solver<'_> {
@@ -63,12 +65,20 @@ impl Solver<'_> {
                 Some(push) => start(push.residuals())?,
                 None => start(target.iter().copied())?,
             };
-            (plain.map(Cow::Owned), Cow::Borrowed(system.source()))
+            let score = if tabulates(options) { self.next_score() } else { system.source() };
+            (plain.map(Cow::Owned), Cow::Borrowed(score))
         };
         let Some(plain) = plain else { return Ok(None) };
+        let ahead = (!forward && tabulates(options)).then(|| plain.product(system.source()));
         let matrix = if forward { system.transposed() } else { system.matrix() };
-        let side =
-            Side { kernel: Cow::Borrowed(matrix), prepared: None, start: plain, score, contraction: None };
+        let side = Side {
+            kernel: Cow::Borrowed(matrix),
+            prepared: None,
+            start: plain,
+            score,
+            contraction: None,
+            ahead,
+        };
         let weighted_by = |side: Side<'b>, d: &[f64]| side.weighted(Cow::Owned(matrix.similar(d)), d);
         let side = match &options.choice {
             Choice::Auto => self.tamed(side, forward)?,
@@ -117,9 +127,21 @@ impl Solver<'_> {
         Ok(self.source_start.get().and_then(Option::as_ref))
     }
 
+    /// M b.
+    fn next_score(&self) -> &[f64] {
+        self.next_score.get_or_init(|| self.system.matrix().multiply(self.system.source()))
+    }
+
     fn radius_of(&self, forward: bool) -> &Radius {
         if forward { self.proof.columns(self.system) } else { self.proof.rows(self.system) }
     }
+}
+
+/// Whether adjoint walks look up what the next state scores on average, instead of adding up a row at each step: x = b + x',
+/// x' = M x' + M b, and M b is one product for all walks and unknowns. Light transport calls it next-event estimation. Lengths
+/// are kept by walks that score each term by itself.
+fn tabulates(options: &Options) -> bool {
+    options.score == Score::Expected && !options.lengths
 }
 
 /// |y|, with what is (nearly) zero lifted: walks must be able to go there.
@@ -158,7 +180,7 @@ impl<'a> Side<'a> {
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
         let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
         let contraction = (largest < CONTRACTS).then_some(largest);
-        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction })
+        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction, ahead: self.ahead })
     }
 
     /// The same, if the variance matrix has a radius below 1. Where rows sum to at most one it has that of |K|, which was
@@ -176,6 +198,11 @@ impl<'a> Side<'a> {
         } else {
             Err(Refusal::InfiniteVariance { radius: refusal::describe(&found) })
         }
+    }
+
+    /// What is known without a walk.
+    pub(super) fn ahead(&self) -> f64 {
+        self.ahead.unwrap_or(0.0)
     }
 
     /// What a visit of state `i` scores.
@@ -219,7 +246,8 @@ impl<'a> Side<'a> {
         kernel: &'b Kernel<'b>,
         options: &Options,
     ) -> Result<Walker<'b>, Refusal> {
-        Ok(Walker::new(kernel, &self.start, &self.score, options.score, options.ending)?)
+        let score = if self.ahead.is_some() { Score::Collision } else { options.score };
+        Ok(Walker::new(kernel, &self.start, &self.score, score, options.ending)?)
     }
 
     /// A bound of the magnitude of any score: known for rows that sum to less than one, without roulette.

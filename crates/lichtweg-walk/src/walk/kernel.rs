@@ -7,7 +7,9 @@
 //!   proportional choice on the similar matrix D^-1 K D ([`Matrix::similar`]), from the start s D to the score D^-1 r.
 //!
 //! Rows of a few entries are added up and searched as they are met, so that one walk on a large matrix needs no
-//! preparation. Long rows have their cumulative sums in a table, unless all of their entries are equal.
+//! preparation. Long rows have their cumulative sums in a table, unless all of their entries are equal. Where in it to begin to
+//! search is kept for as many even steps as there are entries, so that it takes about two comparisons for any length (the
+//! cutpoint method: Chen and Asau, *On generating random variates from an empirical distribution*, 1974).
 
 use std::borrow::Cow;
 
@@ -51,6 +53,8 @@ struct LongRows {
     slot: Vec<u32>,
     table: Vec<LongRow>,
     cumulative: Vec<f64>,
+    /// For the k-th of n even steps of a row of n entries: the entry that k / n of its mass lies in.
+    cuts: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -125,9 +129,7 @@ impl<'a> Kernel<'a> {
                 .count()
         } else {
             match self.long_row(i) {
-                Some((long, cumulative)) if long.cumulative != EVEN => {
-                    cumulative.partition_point(|&sum| sum <= u * mass).min(last)
-                }
+                Some((_, Some(table))) => table.find(even(u), u * mass).min(last),
                 _ => even(u),
             }
         };
@@ -135,15 +137,36 @@ impl<'a> Kernel<'a> {
     }
 
     #[inline]
-    fn long_row(&self, i: usize) -> Option<(LongRow, &[f64])> {
+    fn long_row(&self, i: usize) -> Option<(LongRow, Option<Table<'_>>)> {
         let long = self.long.0.as_ref()?;
         let row = long.table[long.slot[i] as usize];
-        let range = if row.cumulative == EVEN {
-            0..0
-        } else {
-            row.cumulative..row.cumulative + self.matrix.row_len(i)
-        };
-        Some((row, &long.cumulative[range]))
+        let range = row.cumulative..row.cumulative.wrapping_add(self.matrix.row_len(i));
+        let table = (row.cumulative != EVEN)
+            .then(|| Table { cumulative: &long.cumulative[range.clone()], cuts: &long.cuts[range] });
+        Some((row, table))
+    }
+}
+
+/// How to find an entry of a long row.
+#[derive(Clone, Copy, Debug)]
+struct Table<'a> {
+    cumulative: &'a [f64],
+    cuts: &'a [u32],
+}
+
+impl Table<'_> {
+    /// The first entry whose cumulative sum is above `sought`, which lies in step `step`; the length, where none is.
+    #[inline]
+    fn find(self, step: usize, sought: f64) -> usize {
+        let mut at = self.cuts[step] as usize;
+        // A step begins where rounding left it.
+        while at > 0 && self.cumulative[at - 1] > sought {
+            at -= 1;
+        }
+        while at < self.cumulative.len() && self.cumulative[at] <= sought {
+            at += 1;
+        }
+        at
     }
 }
 
@@ -153,7 +176,12 @@ impl LongRows {
             return None;
         }
         let long = (0..matrix.rows()).filter(|&i| matrix.row_len(i) > SHORT);
-        let mut rows = Self { slot: vec![0; matrix.rows()], table: Vec::new(), cumulative: Vec::new() };
+        let mut rows = Self {
+            slot: vec![0; matrix.rows()],
+            table: Vec::new(),
+            cumulative: Vec::new(),
+            cuts: Vec::new(),
+        };
         for i in long {
             let values = matrix.row(i).values;
             rows.slot[i] = rows.table.len() as u32;
@@ -168,6 +196,14 @@ impl LongRows {
                 sum
             }));
             rows.table.push(LongRow { mass: sum, cumulative: start });
+            let (sums, step) = (&rows.cumulative[start..], sum / values.len() as f64);
+            let mut at = 0;
+            rows.cuts.extend((0..values.len()).map(|k| {
+                while at + 1 < sums.len() && sums[at] <= k as f64 * step {
+                    at += 1;
+                }
+                at as u32
+            }));
         }
         Some(rows)
     }
