@@ -5,7 +5,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use lichtweg_walk::solver::Watch;
 use lichtweg_walk::stopping::Goal;
-use lichtweg_walk::walk::Score;
+use lichtweg_walk::walk::Ending;
 use lichtweg_walk::{Functional, Method, Options, Refusal, Solver, System};
 
 use super::RadiosityArgs;
@@ -65,11 +65,11 @@ fn channel_of(
         method: args.method,
         // Dark patches are not worth a relative tolerance.
         goal: Goal { relative: args.tolerance, absolute: 1e-2 * args.tolerance * largest, confidence: 0.95 },
-        // Walks from patches look for the lights at each step: one product with the matrix, for all of them.
-        score: match args.method {
-            Method::Adjoint | Method::PushWalk => Score::Expected,
-            _ => Score::Collision,
-        },
+        // Walks need not come to a light, nor to what it shines on: products with the matrix do that for all patches.
+        // Forward walks come to a given patch seldom, and are to have less left to find.
+        ahead: if matches!(args.method, Method::Forward | Method::Bidirectional) { 4 } else { 2 },
+        // What is left is so even that short walks say as much as long ones.
+        ending: Ending::Analog,
         seed: args.seed,
         watch,
         ..Options::default()

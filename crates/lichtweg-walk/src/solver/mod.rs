@@ -18,6 +18,7 @@
 //! bidirectional approach* (WSDM 2016). Push, then walks onward: Wang et al., *FORA* (KDD 2017). For linear systems:
 //! Kwok, Wei, Yang (ITCS 2026).
 
+mod ahead;
 mod answer;
 mod deterministic;
 mod plan;
@@ -44,6 +45,7 @@ pub use refusal::Refusal;
 pub use side::Choice;
 pub use watch::Watch;
 
+use ahead::Ahead;
 use answer::Entries;
 use proof::Proof;
 
@@ -70,6 +72,9 @@ pub struct Options {
     pub lengths: bool,
     /// Quasi-random walks, with error bars from independent scrambles.
     pub quasi: bool,
+    /// Terms of the Neumann series that products with M sum up, before walks estimate the rest: worth it for many
+    /// functionals, which share them. Up to 8; [`Score::Expected`] takes one at least.
+    pub ahead: u32,
     /// Told how far the solver is; a clone of it may stop it.
     pub watch: Watch,
 }
@@ -87,6 +92,7 @@ impl Default for Options {
             rigorous: false,
             lengths: false,
             quasi: false,
+            ahead: 0,
             watch: Watch::default(),
         }
     }
@@ -107,9 +113,10 @@ pub struct Solver<'a> {
     proof: Proof,
     /// Along rows, along columns.
     kept: [Kept; 2],
-    source_start: OnceLock<Option<Start>>,
-    /// M b: what the next state scores on average.
-    next_score: OnceLock<Vec<f64>>,
+    /// Where forward walks start, by the terms that are known ahead.
+    source_start: [OnceLock<Option<Start>>; ahead::MOST + 1],
+    /// The first terms of the Neumann series, by their number.
+    ahead: [OnceLock<Ahead>; ahead::MOST + 1],
     /// What factors would take.
     #[cfg(feature = "faer")]
     fill: OnceLock<Option<crate::direct::Fill>>,
@@ -132,8 +139,8 @@ impl<'a> Solver<'a> {
             system,
             proof: Proof::default(),
             kept: Default::default(),
-            source_start: OnceLock::new(),
-            next_score: OnceLock::new(),
+            source_start: Default::default(),
+            ahead: Default::default(),
             #[cfg(feature = "faer")]
             fill: OnceLock::new(),
         }

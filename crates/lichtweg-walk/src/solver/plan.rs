@@ -355,11 +355,12 @@ impl Solver<'_> {
             return Ok(shared);
         }
         let pilot = self.joint_pilot(targets, options, PILOT_WALKS.1)?;
-        let needed = |tally: &Tally| {
+        let offsets = self.all_known_ahead(targets, options);
+        let needed = |(tally, &offset): (&Tally, &f64)| {
             let alpha = 1.0 - options.goal.confidence;
-            walks_needed(tally, 0.0, &options.goal, Interval::Student, alpha)
+            walks_needed(tally, offset, &options.goal, Interval::Student, alpha)
         };
-        if let (Some(first), Some(walks)) = (pilot.first(), pilot.iter().map(needed).max())
+        if let (Some(first), Some(walks)) = (pilot.first(), pilot.iter().zip(&offsets).map(needed).max())
             && pilot.iter().all(|tally| tally.nonzero > 0)
         {
             shared.forward = walks.max(FEWEST) as f64 * self.nanoseconds_of_walk(true, first) + making;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::reach::NO_SOURCE;
+use super::reach::{NO_SOURCE, NOTHING_MORE};
 use super::walking::{interval, report};
 use super::{Answer, Entries, Functional, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -133,6 +133,7 @@ impl Solver<'_> {
                 return self.forward_where(&reached, targets, options);
             }
         }
+        let offsets = self.all_known_ahead(targets, options);
         let pilot_steps = pilot.first().map_or(0, |tally| tally.steps);
         let found = self.with_joint_walks(targets, options, |walker, weighted| {
             options.watch.begin(0);
@@ -149,17 +150,17 @@ impl Solver<'_> {
                 Ok(tallies)
             };
             let (goal, most) = (&options.goal, options.most_steps);
-            estimate(&pilot, 0.0, goal, Interval::Student, most, walk)
+            estimate(&pilot, &offsets, goal, Interval::Student, most, walk)
         })?;
-        let answer = |(found, target): (&Estimate, &Entries)| {
+        let answer = |((found, target), &offset): ((&Estimate, &Entries), &f64)| {
             let seldom = found.tally.nonzero < SELDOM && !found.reached;
             if seldom && targets.len() > 1 {
                 return self.at_its_own_end(target, options);
             }
-            let answer = report(Method::Forward, 0.0, 0, pilot_steps, found)?;
+            let answer = report(Method::Forward, offset, 0, pilot_steps, found)?;
             Ok(Answer { shared: targets.len(), ..answer })
         };
-        found.iter().flatten().zip(targets).map(answer).collect()
+        found.iter().flatten().zip(targets).zip(&offsets).map(answer).collect()
     }
 
     /// What forward walks for many hardly ever come to, by push and walks from there.
@@ -182,8 +183,19 @@ impl Solver<'_> {
         let kept: Vec<Entries> =
             targets.iter().zip(reached).filter(|&(_, &reached)| reached).map(|(t, _)| t.clone()).collect();
         let mut found = if kept.is_empty() { Vec::new() } else { self.forward(&kept, options)? }.into_iter();
-        let zero = || Answer::exact(0.0, NO_SOURCE);
-        Ok(reached.iter().filter_map(|&reached| if reached { found.next() } else { Some(zero()) }).collect())
+        let known = |offset: f64| {
+            let why = if offset == 0.0 { NO_SOURCE } else { NOTHING_MORE };
+            Answer::exact(offset, why)
+        };
+        let offsets = self.all_known_ahead(targets, options);
+        let answer = |(&reached, offset)| if reached { found.next() } else { Some(known(offset)) };
+        Ok(reached.iter().zip(offsets).filter_map(answer).collect())
+    }
+
+    /// What of each target is known before forward walks.
+    pub(super) fn all_known_ahead(&self, targets: &[Entries], options: &Options) -> Vec<f64> {
+        let terms = self.terms(true, options);
+        targets.iter().map(|target| self.known_ahead(terms, target.iter().copied())).collect()
     }
 
     /// A pilot of forward walks for all targets.

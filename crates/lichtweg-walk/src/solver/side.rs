@@ -35,8 +35,10 @@ pub(super) struct Side<'a> {
     score: Cow<'a, [f64]>,
     /// Largest row sum of the kernel, where it is known to be below one.
     contraction: Option<f64>,
-    /// s^T r, without walks, where states score what the next one would on average; see [`tabulates`].
-    ahead: Option<f64>,
+    /// What of the answer is known without walks, where these look ahead.
+    ahead: f64,
+    /// What walks score, where it is not looked up ahead.
+    how: Score,
 }
 
 impl Solver<'_> {
@@ -49,7 +51,7 @@ impl Solver<'_> {
         push: Option<&Push<'_>>,
         options: &Options,
     ) -> Result<Option<Side<'b>>, Refusal> {
-        let system = self.system;
+        let (system, terms) = (self.system, self.terms(forward, options));
         let (plain, score) = if forward {
             let mut score = vec![0.0; system.unknowns()];
             match push {
@@ -59,17 +61,23 @@ impl Solver<'_> {
             if push.is_some_and(|push| push.residuals().all(|(_, q)| q == 0.0)) {
                 return Ok(None);
             }
-            (self.source_start()?.map(Cow::Borrowed), Cow::Owned(score))
+            (self.source_start(terms)?.map(Cow::Borrowed), Cow::Owned(score))
         } else {
             let plain = match push {
                 Some(push) => start(push.residuals())?,
                 None => start(target.iter().copied())?,
             };
-            let score = if tabulates(options) { self.next_score() } else { system.source() };
+            let score = if terms > 0 { &self.ahead(terms).next } else { system.source() };
             (plain.map(Cow::Owned), Cow::Borrowed(score))
         };
         let Some(plain) = plain else { return Ok(None) };
-        let ahead = (!forward && tabulates(options)).then(|| plain.product(system.source()));
+        let ahead = match push {
+            Some(push) => self.known_ahead(terms, push.residuals()),
+            None => self.known_ahead(terms, target.iter().copied()),
+        };
+        // The next state's score is then that of this one.
+        let looked_up = !forward && terms > 0 && options.score == Score::Expected;
+        let how = if looked_up { Score::Collision } else { options.score };
         let matrix = if forward { system.transposed() } else { system.matrix() };
         let side = Side {
             kernel: Cow::Borrowed(matrix),
@@ -78,6 +86,7 @@ impl Solver<'_> {
             score,
             contraction: None,
             ahead,
+            how,
         };
         let weighted_by = |side: Side<'b>, d: &[f64]| side.weighted(Cow::Owned(matrix.similar(d)), d);
         let side = match &options.choice {
@@ -119,29 +128,18 @@ impl Solver<'_> {
     }
 
     /// Where forward walks start.
-    fn source_start(&self) -> Result<Option<&Start>, Refusal> {
-        if self.source_start.get().is_none() {
-            let start = start(self.system.source().iter().copied().enumerate())?;
-            let _ = self.source_start.set(start);
+    fn source_start(&self, terms: usize) -> Result<Option<&Start>, Refusal> {
+        let kept = &self.source_start[terms];
+        if kept.get().is_none() {
+            let source = if terms > 0 { &self.ahead(terms).next } else { self.system.source() };
+            let _ = kept.set(start(source.iter().copied().enumerate())?);
         }
-        Ok(self.source_start.get().and_then(Option::as_ref))
-    }
-
-    /// M b.
-    fn next_score(&self) -> &[f64] {
-        self.next_score.get_or_init(|| self.system.matrix().multiply(self.system.source()))
+        Ok(kept.get().and_then(Option::as_ref))
     }
 
     fn radius_of(&self, forward: bool) -> &Radius {
         if forward { self.proof.columns(self.system) } else { self.proof.rows(self.system) }
     }
-}
-
-/// Whether adjoint walks look up what the next state scores on average, instead of adding up a row at each step: x = b + x',
-/// x' = M x' + M b, and M b is one product for all walks and unknowns. Light transport calls it next-event estimation. Lengths
-/// are kept by walks that score each term by itself.
-fn tabulates(options: &Options) -> bool {
-    options.score == Score::Expected && !options.lengths
 }
 
 /// |y|, with what is (nearly) zero lifted: walks must be able to go there.
@@ -180,7 +178,7 @@ impl<'a> Side<'a> {
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
         let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
         let contraction = (largest < CONTRACTS).then_some(largest);
-        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction, ahead: self.ahead })
+        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction, ..self })
     }
 
     /// The same, if the variance matrix has a radius below 1. Where rows sum to at most one it has that of |K|, which was
@@ -202,7 +200,7 @@ impl<'a> Side<'a> {
 
     /// What is known without a walk.
     pub(super) fn ahead(&self) -> f64 {
-        self.ahead.unwrap_or(0.0)
+        self.ahead
     }
 
     /// What a visit of state `i` scores.
@@ -246,8 +244,7 @@ impl<'a> Side<'a> {
         kernel: &'b Kernel<'b>,
         options: &Options,
     ) -> Result<Walker<'b>, Refusal> {
-        let score = if self.ahead.is_some() { Score::Collision } else { options.score };
-        Ok(Walker::new(kernel, &self.start, &self.score, score, options.ending)?)
+        Ok(Walker::new(kernel, &self.start, &self.score, self.how, options.ending)?)
     }
 
     /// A bound of the magnitude of any score: known for rows that sum to less than one, without roulette.

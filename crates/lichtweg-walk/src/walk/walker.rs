@@ -98,11 +98,6 @@ impl Start {
         Self::by(scaled).ok().flatten()
     }
 
-    /// s^T r.
-    pub(crate) fn product(&self, r: &[f64]) -> f64 {
-        self.states.iter().zip(&self.values).map(|(&i, value)| value * r[i as usize]).sum()
-    }
-
     /// Sum of the magnitudes.
     #[must_use]
     pub fn mass(&self) -> f64 {
