@@ -118,8 +118,10 @@ pub fn estimate<E>(
     let most = ((most_steps as f64 / per_walk) as u64).max(FEWEST);
     let first = |(pilot, &offset): (&Tally, &f64)| {
         let needed = walks_needed(pilot, offset, goal, interval, SPENT * left);
-        // A pilot that cannot tell the value from zero cannot tell a relative goal either.
-        let vague = (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
+        // A pilot that cannot tell the value from zero cannot tell a relative goal either; of few scores, it cannot tell a
+        // variance, and the largest of many such variances would be far off.
+        let vague = pilot.nonzero < DIFFERENT
+            || (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
         if vague { needed.min(VAGUE) } else { needed }
     };
     let mut wanted = pilot.iter().zip(offsets).map(first).max().unwrap_or(0).clamp(FEWEST, most);

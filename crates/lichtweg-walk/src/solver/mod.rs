@@ -125,8 +125,8 @@ pub struct Solver<'a> {
 /// What walks in a direction need again and again.
 #[derive(Debug, Default)]
 struct Kept {
-    /// The kernel in the coordinates of its certificate.
-    scaled: OnceLock<Matrix>,
+    /// The kernel in the coordinates of its certificate, and its largest row sum.
+    scaled: OnceLock<(Matrix, f64)>,
     /// The long rows of the kernel that is walked on.
     prepared: OnceLock<Prepared>,
 }

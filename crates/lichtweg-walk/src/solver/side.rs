@@ -88,7 +88,11 @@ impl Solver<'_> {
             ahead,
             how,
         };
-        let weighted_by = |side: Side<'b>, d: &[f64]| side.weighted(Cow::Owned(matrix.similar(d)), d);
+        let weighted_by = |side: Side<'b>, d: &[f64]| {
+            let kernel = matrix.similar(d);
+            let largest = largest_row_sum(&kernel);
+            side.weighted(Cow::Owned(kernel), largest, d)
+        };
         let side = match &options.choice {
             Choice::Auto => self.tamed(side, forward)?,
             Choice::Magnitude | Choice::Uniform => side,
@@ -113,9 +117,13 @@ impl Solver<'_> {
         let certificate = self.radius_of(forward).certificate.as_ref();
         match certificate.and_then(|certificate| certificate.weights.as_ref()) {
             Some(weights) if !contracts => {
-                let scaled = kept.scaled.get_or_init(|| matrix.similar(weights));
+                let (scaled, largest) = kept.scaled.get_or_init(|| {
+                    let scaled = matrix.similar(weights);
+                    let largest = largest_row_sum(&scaled);
+                    (scaled, largest)
+                });
                 let prepared = kept.prepared.get_or_init(|| Prepared::new(scaled));
-                let side = side.weighted(Cow::Borrowed(scaled), weights)?;
+                let side = side.weighted(Cow::Borrowed(scaled), *largest, weights)?;
                 Ok(Side { prepared: Some(prepared), ..side })
             }
             _ => {
@@ -140,6 +148,11 @@ impl Solver<'_> {
     fn radius_of(&self, forward: bool) -> &Radius {
         if forward { self.proof.columns(self.system) } else { self.proof.rows(self.system) }
     }
+}
+
+/// The largest sum of magnitudes in a row.
+fn largest_row_sum(kernel: &Matrix) -> f64 {
+    kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max)
 }
 
 /// |y|, with what is (nearly) zero lifted: walks must be able to go there.
@@ -171,12 +184,11 @@ fn perron(kernel: &Matrix) -> Vec<f64> {
 }
 
 impl<'a> Side<'a> {
-    /// The same problem in the coordinates of an importance d: D^-1 K D (given), s D, D^-1 r.
-    fn weighted(self, kernel: Cow<'a, Matrix>, d: &[f64]) -> Result<Self, Refusal> {
+    /// The same problem in the coordinates of an importance d: D^-1 K D (given, with its largest row sum), s D, D^-1 r.
+    fn weighted(self, kernel: Cow<'a, Matrix>, largest: f64, d: &[f64]) -> Result<Self, Refusal> {
         let overflow = || Refusal::Parameter("the importance overflows".into());
         let start = Cow::Owned(self.start.scaled(d).ok_or_else(overflow)?);
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
-        let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
         let contraction = (largest < CONTRACTS).then_some(largest);
         Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction, ..self })
     }
