@@ -3,6 +3,7 @@
 
 mod patches;
 mod quadric;
+mod solving;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -16,8 +17,7 @@ use lichtweg::scene::description::Description;
 use lichtweg_io::image::{Layer, OutputImage, ToneMap, write_image};
 use lichtweg_io::scene_file::SceneLocation;
 use lichtweg_montecarlo::{Sampler, SamplerKind};
-use lichtweg_walk::stopping::Goal;
-use lichtweg_walk::{Functional, Method, Options, Solver, System};
+use lichtweg_walk::{Method, System};
 use rayon::prelude::*;
 
 use crate::console::Console;
@@ -125,9 +125,7 @@ pub fn run(args: &RadiosityArgs) -> Result<(), Failure> {
         let view = View { patches: &patches, camera: &camera, description: &description, args };
         let wanted = wanted(&view, console);
         let began = Instant::now();
-        let radiosity: Vec<Vec<f64>> = console.stage("solving", || {
-            systems.iter().map(|system| solve(system, wanted.as_deref(), args)).collect::<Result<_, _>>()
-        })?;
+        let radiosity = solving::solve(&systems, wanted.as_deref(), args, console)?;
         console.say(&format!(
             "solved by {} in {}",
             args.method.name(),
@@ -152,36 +150,6 @@ fn wanted(view: &View<'_>, console: Console) -> Option<Vec<usize>> {
         count(seen.len() as u64)
     ));
     Some(seen)
-}
-
-/// Unknowns of one channel: all, or those that are wanted, among zeros.
-fn solve(system: &System, wanted: Option<&[usize]>, args: &RadiosityArgs) -> Result<Vec<f64>, Failure> {
-    let options = Options {
-        method: args.method,
-        // Dark patches are not worth a relative tolerance.
-        goal: Goal {
-            relative: args.tolerance,
-            absolute: 1e-2 * args.tolerance * largest(system),
-            confidence: 0.95,
-        },
-        seed: args.seed,
-        ..Options::default()
-    };
-    let asked: Vec<usize> = wanted.map_or_else(|| (0..system.unknowns()).collect(), <[usize]>::to_vec);
-    let functionals: Vec<Functional> = asked.iter().copied().map(Functional::Unknown).collect();
-    let answers = Solver::new(system)
-        .solve_each(&functionals, &options)
-        .map_err(|error| Failure::Failed(error.to_string()))?;
-    let found = answers.iter().find_map(|answer| answer.x.clone());
-    Ok(found.unwrap_or_else(|| {
-        let mut radiosity = vec![0.0; system.unknowns()];
-        asked.iter().zip(&answers).for_each(|(&patch, answer)| radiosity[patch] = answer.value);
-        radiosity
-    }))
-}
-
-fn largest(system: &System) -> f64 {
-    system.source().iter().copied().fold(0.0, f64::max)
 }
 
 /// What the camera sees.

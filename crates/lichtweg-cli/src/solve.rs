@@ -254,6 +254,7 @@ fn options(args: &SolveArgs) -> Result<Options, Failure> {
         rigorous: args.rigorous,
         lengths: args.neumann,
         quasi: args.quasi,
+        ..standard
     })
 }
 

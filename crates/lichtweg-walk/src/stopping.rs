@@ -13,7 +13,7 @@
 use lichtweg_montecarlo::Moments;
 use lichtweg_montecarlo::special::student_t_quantile;
 
-use crate::walk::{Tally, WalkError};
+use crate::walk::Tally;
 
 /// How well a number should be known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,31 +98,33 @@ const HOPELESS: u64 = 1 << 24;
 /// The share of alpha that each look spends of what is left.
 const SPENT: f64 = 0.8;
 
-/// Walks until `offset + mean` is known as well as `goal` says for each tally, or `most_steps` are made. `walk(first, count)`
+/// Walks until `offset + mean` is known as well as `goal` says for each tally, with an offset of its own, or `most_steps` are made. `walk(first, count)`
 /// walks, and gives as many tallies as the pilot has: one, or one for each functional that the walks score for together.
 ///
 /// # Errors
 /// Those of the walks.
-pub fn estimate(
+pub fn estimate<E>(
     pilot: &[Tally],
-    offset: f64,
+    offsets: &[f64],
     goal: &Goal,
     interval: Interval,
     most_steps: u64,
-    walk: impl Fn(u64, u64) -> Result<Vec<Tally>, WalkError>,
-) -> Result<Vec<Estimate>, WalkError> {
+    walk: impl Fn(u64, u64) -> Result<Vec<Tally>, E>,
+) -> Result<Vec<Estimate>, E> {
     let mut left = (1.0 - goal.confidence).max(1e-300);
     let mut tallies = vec![Tally::default(); pilot.len()];
     let (mut looks, mut walked) = (0, 0);
     let per_walk = 1.0 + pilot.first().map_or(0.0, Tally::steps_per_walk);
     let most = ((most_steps as f64 / per_walk) as u64).max(FEWEST);
-    let first = |pilot: &Tally| {
+    let first = |(pilot, &offset): (&Tally, &f64)| {
         let needed = walks_needed(pilot, offset, goal, interval, SPENT * left);
-        // A pilot that cannot tell the value from zero cannot tell a relative goal either.
-        let vague = (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
+        // A pilot that cannot tell the value from zero cannot tell a relative goal either; of few scores, it cannot tell a
+        // variance, and the largest of many such variances would be far off.
+        let vague = pilot.nonzero < DIFFERENT
+            || (offset + pilot.moments.mean()).abs() < 3.0 * pilot.moments.standard_error();
         if vague { needed.min(VAGUE) } else { needed }
     };
-    let mut wanted = pilot.iter().map(first).max().unwrap_or(0).clamp(FEWEST, most);
+    let mut wanted = pilot.iter().zip(offsets).map(first).max().unwrap_or(0).clamp(FEWEST, most);
     loop {
         let more = walk(walked, wanted - walked)?;
         tallies.iter_mut().zip(&more).for_each(|(tally, more)| tally.merge(more));
@@ -133,18 +135,19 @@ pub fn estimate(
         let last = wanted >= most || hopeless;
         let alpha = if last { left } else { SPENT * left };
         left -= alpha;
-        let judge = |tally: &Tally| {
+        let judge = |(tally, &offset): (&Tally, &f64)| {
             let half_width = interval.half_width(&tally.moments, alpha);
             let believed = is_believed(tally, interval);
             let reached = believed && half_width <= goal.half_width(offset + tally.moments.mean());
             Estimate { tally: tally.clone(), half_width, reached, believed, looks }
         };
-        let found: Vec<Estimate> = tallies.iter().map(judge).collect();
+        let found: Vec<Estimate> = tallies.iter().zip(offsets).map(judge).collect();
         if last || found.iter().all(|estimate| estimate.reached) {
             return Ok(found);
         }
-        let unfinished = found.iter().filter(|estimate| !estimate.reached);
-        let needed = unfinished.map(|e| walks_needed(&e.tally, offset, goal, interval, SPENT * left)).max();
+        let unfinished = found.iter().zip(offsets).filter(|(estimate, _)| !estimate.reached);
+        let needed =
+            unfinished.map(|(e, &offset)| walks_needed(&e.tally, offset, goal, interval, SPENT * left)).max();
         let growth = wanted.saturating_add(wanted / 2)..=wanted.saturating_mul(16);
         wanted = needed.unwrap_or(0).clamp(*growth.start(), *growth.end()).min(most);
     }

@@ -65,6 +65,83 @@ fn stopping_early_keeps_the_level() {
     }
 }
 
+/// Products before walks change no mean, whatever walks score, and leave less to walk for; intervals cover as they say (p <
+/// 0.001 by chance).
+#[test]
+fn walks_that_look_ahead_are_fewer_and_keep_the_level() {
+    let m = random_matrix(50, 5, 0.8, 0.0, 2);
+    // Rarely met, so that plain walks are noisy.
+    let b: Vec<f64> = (0..50).map(|i| f64::from(u8::from(i % 16 == 0))).collect();
+    let exact = solution(&m, &b);
+    let system = System::fixed_point(m, b).unwrap();
+    let asked: Vec<_> = (10..13).map(Functional::Unknown).collect();
+    for (method, score) in [
+        (Method::Adjoint, Score::Collision),
+        (Method::Adjoint, Score::Expected),
+        (Method::PushWalk, Score::Expected),
+        (Method::Forward, Score::Collision),
+        (Method::Forward, Score::Expected),
+        (Method::Bidirectional, Score::Collision),
+    ] {
+        let mut walks = Vec::new();
+        for ahead in [0, 3] {
+            let (mut missed, mut all) = (0, 0);
+            for seed in 0..100 {
+                let options = Options { seed, score, ahead, ..options(method, 0.05) };
+                let found = Solver::new(&system).solve_each(&asked, &options).unwrap();
+                all += found.iter().map(|answer| answer.walks).sum::<u64>();
+                missed += u64::from(exact[10] < found[0].low() || found[0].high() < exact[10]);
+                let far =
+                    found.iter().zip(&exact[10..]).find(|(a, x)| (a.value - *x).abs() > 3.0 * a.half_width);
+                assert_eq!(far, None, "{method:?} {score:?} {ahead}");
+            }
+            assert!(
+                binomial_survival(missed, 100, 0.05) > 0.001,
+                "{method:?} {score:?} {ahead}: {missed} of 100"
+            );
+            walks.push(all);
+        }
+        assert!(
+            walks[1] <= walks[0] && (walks[0] <= 300 * 1024 || walks[1] < walks[0]),
+            "{method:?} {walks:?}"
+        );
+    }
+}
+
+/// What walks cannot come to any more is known by the terms ahead, and not zero.
+#[test]
+fn looking_ahead_past_the_end_of_a_chain() {
+    let system = System::fixed_point(matrix(3, &[(0, 1, 0.5), (1, 2, 0.5)]), vec![0.0, 2.0, 4.0]).unwrap();
+    let asked: Vec<_> = (0..3).map(Functional::Unknown).collect();
+    for method in [Method::Adjoint, Method::Forward, Method::PushWalk, Method::Bidirectional, Method::Auto] {
+        for ahead in [0, 1, 2, 3, 100] {
+            let options = Options { ahead, ..options(method, 0.05) };
+            let found = Solver::new(&system).solve_each(&asked, &options).unwrap();
+            for (answer, exact) in found.iter().zip([2.0, 4.0, 4.0]) {
+                assert!(
+                    (answer.value - exact).abs() <= 2.5 * answer.half_width + 1e-12,
+                    "{ahead} {answer:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_solver_that_is_stopped_says_so() {
+    let system = System::fixed_point(random_matrix(50, 5, 0.8, 0.2, 61), vec![1.0; 50]).unwrap();
+    let all: Vec<_> = (0..10).map(Functional::Unknown).collect();
+    for method in [Method::Auto, Method::Adjoint, Method::Forward, Method::PushWalk] {
+        let options = options(method, 0.05);
+        Solver::new(&system).solve_all(&all, &options).unwrap();
+        let (done, of) = options.watch.progress();
+        assert!(done == of, "{method:?}: {done} of {of}");
+        options.watch.stop();
+        let stopped = Solver::new(&system).solve_all(&all, &options);
+        assert!(method == Method::Auto || stopped == Err(Refusal::Stopped), "{method:?}: {stopped:?}");
+    }
+}
+
 fn named_systems() -> Vec<(&'static str, System)> {
     let mut random = Random::new(5);
     let mut vector = |n: usize, low: f64| (0..n).map(|_| random.between(low, 1.0)).collect::<Vec<f64>>();

@@ -150,21 +150,37 @@ fn particles_are_shown_on_a_page() {
     assert!(page.contains("\"equilibrium\":[") && !page.contains("\"DATA\""));
 }
 
-/// A closed surface of albedo 1/2 that glows inside, seen from within; and whatever else.
-fn glowing(shape: &str, more: &str) -> String {
+/// What reflects half.
+const GREY: &str = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>"#;
+
+/// Shapes, seen from one point towards another in 8 x 8 pixels.
+fn seen(from: &str, towards: &str, shapes: &str) -> String {
     format!(
         r#"<scene version="3.0.0">
         <sensor type="perspective">
-            <transform name="to_world"><lookat origin="0,0,0" target="0.3,0.2,1" up="0,1,0"/></transform>
+            <transform name="to_world"><lookat origin="{from}" target="{towards}" up="0,1,0"/></transform>
             <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
         </sensor>
-        <shape type="{shape}">
-            <boolean name="flip_normals" value="true"/>
-            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
-            <emitter type="area"><rgb name="radiance" value="1"/></emitter>
-        </shape>{more}
+        {shapes}
     </scene>"#
     )
+}
+
+/// A ball that shines.
+fn lamp(centre: &str) -> String {
+    format!(
+        r#"<shape type="sphere">
+            <transform name="to_world"><scale value="0.3"/><translate value="{centre}"/></transform>
+            <emitter type="area"><rgb name="radiance" value="5"/></emitter>
+        </shape>"#
+    )
+}
+
+/// A closed surface of albedo 1/2 that glows inside, seen from within; and whatever else.
+fn glowing(shape: &str, more: &str) -> String {
+    let glow = r#"<emitter type="area"><rgb name="radiance" value="1"/></emitter>"#;
+    let turned = r#"<boolean name="flip_normals" value="true"/>"#;
+    seen("0,0,0", "0.3,0.2,1", &format!(r#"<shape type="{shape}">{turned}{GREY}{glow}</shape>{more}"#))
 }
 
 /// Its radiance is Le / (1 - 1/2) wherever one looks.
@@ -208,25 +224,12 @@ fn radiosity_of_an_enclosure_is_known() {
 #[test]
 fn radiosity_has_two_sides() {
     let room = |walls: &str| {
-        format!(
-            r#"<scene version="3.0.0">
-            <sensor type="perspective">
-                <transform name="to_world"><lookat origin="0,0,0.9" target="0,0,-1" up="0,1,0"/></transform>
-                <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
-            </sensor>
-            <shape type="cube">{walls}</shape>
-            <shape type="sphere">
-                <point name="center" x="0" y="0.6" z="0.4"/><float name="radius" value="0.3"/>
-                <emitter type="area"><rgb name="radiance" value="5"/></emitter>
-            </shape>
-        </scene>"#
-        )
+        seen("0,0,0.9", "0,0,-1", &format!(r#"<shape type="cube">{walls}</shape>{}"#, lamp("0,0.6,0.4")))
     };
-    let grey = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>"#;
     let images = [
-        format!(r#"<boolean name="flip_normals" value="true"/>{grey}"#),
-        format!(r#"<bsdf type="twosided">{grey}</bsdf>"#),
-        grey.to_owned(),
+        format!(r#"<boolean name="flip_normals" value="true"/>{GREY}"#),
+        format!(r#"<bsdf type="twosided">{GREY}</bsdf>"#),
+        GREY.to_owned(),
     ]
     .map(|walls| {
         let place = Workplace::with(&room(&walls));
@@ -242,19 +245,8 @@ fn radiosity_has_two_sides() {
 /// there. They are black, whatever the method, and none of them stops the others.
 #[test]
 fn radiosity_is_zero_where_no_light_comes() {
-    let scene = r#"<scene version="3.0.0">
-        <sensor type="perspective">
-            <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
-            <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film>
-        </sensor>
-        <shape type="cube">
-            <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></bsdf>
-        </shape>
-        <shape type="sphere">
-            <float name="radius" value="0.3"/><emitter type="area"><rgb name="radiance" value="5"/></emitter>
-        </shape>
-    </scene>"#;
-    let place = Workplace::with(scene);
+    let walls = format!(r#"<shape type="cube"><bsdf type="twosided">{GREY}</bsdf></shape>"#);
+    let place = Workplace::with(&seen("0,0,5", "0,0,0", &(walls + &lamp("0,0,0"))));
     for method in
         ["auto", "adjoint", "forward", "push", "bidirectional", "push-walk", "sequential", "deterministic"]
     {

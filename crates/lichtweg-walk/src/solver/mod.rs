@@ -18,6 +18,7 @@
 //! bidirectional approach* (WSDM 2016). Push, then walks onward: Wang et al., *FORA* (KDD 2017). For linear systems:
 //! Kwok, Wei, Yang (ITCS 2026).
 
+mod ahead;
 mod answer;
 mod deterministic;
 mod plan;
@@ -30,6 +31,7 @@ mod several;
 mod side;
 mod stages;
 mod walking;
+mod watch;
 
 use std::sync::OnceLock;
 
@@ -41,7 +43,9 @@ use crate::{Matrix, System};
 pub use answer::{Answer, Cost, Evidence, Functional, Method};
 pub use refusal::Refusal;
 pub use side::Choice;
+pub use watch::Watch;
 
+use ahead::Ahead;
 use answer::Entries;
 use proof::Proof;
 
@@ -68,6 +72,11 @@ pub struct Options {
     pub lengths: bool,
     /// Quasi-random walks, with error bars from independent scrambles.
     pub quasi: bool,
+    /// Terms of the Neumann series that products with M sum up, before walks estimate the rest: worth it for many
+    /// functionals, which share them. Up to 8; [`Score::Expected`] takes one at least.
+    pub ahead: u32,
+    /// Told how far the solver is; a clone of it may stop it.
+    pub watch: Watch,
 }
 
 impl Default for Options {
@@ -83,6 +92,8 @@ impl Default for Options {
             rigorous: false,
             lengths: false,
             quasi: false,
+            ahead: 0,
+            watch: Watch::default(),
         }
     }
 }
@@ -102,7 +113,10 @@ pub struct Solver<'a> {
     proof: Proof,
     /// Along rows, along columns.
     kept: [Kept; 2],
-    source_start: OnceLock<Option<Start>>,
+    /// Where forward walks start, by the terms that are known ahead.
+    source_start: [OnceLock<Option<Start>>; ahead::MOST + 1],
+    /// The first terms of the Neumann series, by their number.
+    ahead: [OnceLock<Ahead>; ahead::MOST + 1],
     /// What factors would take.
     #[cfg(feature = "faer")]
     fill: OnceLock<Option<crate::direct::Fill>>,
@@ -111,8 +125,8 @@ pub struct Solver<'a> {
 /// What walks in a direction need again and again.
 #[derive(Debug, Default)]
 struct Kept {
-    /// The kernel in the coordinates of its certificate.
-    scaled: OnceLock<Matrix>,
+    /// The kernel in the coordinates of its certificate, and its largest row sum.
+    scaled: OnceLock<(Matrix, f64)>,
     /// The long rows of the kernel that is walked on.
     prepared: OnceLock<Prepared>,
 }
@@ -125,7 +139,8 @@ impl<'a> Solver<'a> {
             system,
             proof: Proof::default(),
             kept: Default::default(),
-            source_start: OnceLock::new(),
+            source_start: Default::default(),
+            ahead: Default::default(),
             #[cfg(feature = "faer")]
             fill: OnceLock::new(),
         }

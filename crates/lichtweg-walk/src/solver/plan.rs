@@ -72,7 +72,9 @@ impl Solver<'_> {
         }
         let mut answers = Vec::with_capacity(targets.len());
         let (mut left, mut alone) = (Vec::new(), 0.0);
+        options.watch.begin(targets.len() as u64);
         for (at, target) in targets.iter().enumerate() {
+            options.watch.check()?;
             let began = Instant::now();
             let planned = self.plan_one(target, share, &shared, options)?;
             if let Planned::Left { cheapest, .. } = &planned {
@@ -80,6 +82,7 @@ impl Solver<'_> {
                 left.push(at);
             }
             answers.push((planned, began.elapsed().as_secs_f64()));
+            options.watch.advance(1);
         }
         // Looked into late, since that takes time itself.
         if !left.is_empty() && shared.direct.is_infinite() {
@@ -327,7 +330,7 @@ impl Solver<'_> {
         if pilot.nonzero == 0 {
             return Ok(WalkCost { all: f64::INFINITY, least, steps: pilot.steps });
         }
-        let offset = push.map_or(0.0, |push| push.value(self.system.source()));
+        let offset = push.map_or(0.0, |push| push.value(self.system.source())) + side.ahead();
         let alpha = 1.0 - options.goal.confidence;
         let walks = walks_needed(&pilot, offset, &options.goal, interval(&side, options)?, alpha).max(FEWEST);
         Ok(WalkCost { all: walks as f64 * per_walk, least, steps: pilot.steps })
@@ -352,11 +355,12 @@ impl Solver<'_> {
             return Ok(shared);
         }
         let pilot = self.joint_pilot(targets, options, PILOT_WALKS.1)?;
-        let needed = |tally: &Tally| {
+        let offsets = self.all_known_ahead(targets, options);
+        let needed = |(tally, &offset): (&Tally, &f64)| {
             let alpha = 1.0 - options.goal.confidence;
-            walks_needed(tally, 0.0, &options.goal, Interval::Student, alpha)
+            walks_needed(tally, offset, &options.goal, Interval::Student, alpha)
         };
-        if let (Some(first), Some(walks)) = (pilot.first(), pilot.iter().map(needed).max())
+        if let (Some(first), Some(walks)) = (pilot.first(), pilot.iter().zip(&offsets).map(needed).max())
             && pilot.iter().all(|tally| tally.nonzero > 0)
         {
             shared.forward = walks.max(FEWEST) as f64 * self.nanoseconds_of_walk(true, first) + making;

@@ -13,6 +13,9 @@ const QUICK_FOR_ALL: usize = 1 << 22;
 /// Why it is zero.
 pub(super) const NO_SOURCE: &str = "nothing of the source vector can come here: the answer is zero";
 
+/// Why no walk is needed for the rest.
+pub(super) const NOTHING_MORE: &str = "no source is left to come to";
+
 impl Solver<'_> {
     /// The answer 0 where it takes few entries to see that nothing comes to a functional, one of `count`.
     pub(super) fn zero_at_a_glance(&self, target: &Entries, count: usize) -> Option<Answer> {

@@ -75,6 +75,9 @@ pub enum Refusal {
         /// Entries of the factors.
         entries: f64,
     },
+    /// Someone asked to end ([`Watch::stop`](super::Watch::stop)).
+    #[error("stopped")]
+    Stopped,
     /// A parameter makes no sense.
     #[error("{0}")]
     Parameter(String),

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::reach::NO_SOURCE;
+use super::reach::{NO_SOURCE, NOTHING_MORE};
 use super::walking::{interval, report};
 use super::{Answer, Entries, Functional, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -80,6 +80,7 @@ impl Solver<'_> {
         options: &Options,
     ) -> Result<Vec<Answer>, Refusal> {
         let Some((first, rest)) = targets.split_first() else { return Ok(Vec::new()) };
+        options.watch.begin(targets.len() as u64);
         let mut answers = Vec::with_capacity(targets.len());
         answers.push(self.alone(method, first, options)?);
         if !rest.is_empty() {
@@ -108,6 +109,7 @@ impl Solver<'_> {
 
     /// One functional by a method that serves no others.
     fn alone(&self, method: Method, target: &Entries, options: &Options) -> Result<Answer, Refusal> {
+        options.watch.check()?;
         self.check_convergence()?;
         let began = Instant::now();
         let answer = match method {
@@ -118,6 +120,7 @@ impl Solver<'_> {
                 self.walk_side(method, side.as_ref(), 0.0, 0, options)
             }
         }?;
+        options.watch.advance(1);
         Ok(Answer { seconds: began.elapsed().as_secs_f64(), ..answer })
     }
 
@@ -130,21 +133,34 @@ impl Solver<'_> {
                 return self.forward_where(&reached, targets, options);
             }
         }
+        let offsets = self.all_known_ahead(targets, options);
         let pilot_steps = pilot.first().map_or(0, |tally| tally.steps);
         let found = self.with_joint_walks(targets, options, |walker, weighted| {
-            let walk = |first, count| walker.tally_all(weighted, options.seed, first, count);
+            options.watch.begin(0);
+            let walk = |first: u64, count: u64| {
+                options.watch.expect(first + count);
+                let mut tallies = vec![Tally::default(); targets.len()];
+                for from in (0..count).step_by(SHOWN as usize) {
+                    options.watch.check()?;
+                    let part = SHOWN.min(count - from);
+                    let more = walker.tally_all(weighted, options.seed, first + from, part)?;
+                    tallies.iter_mut().zip(&more).for_each(|(tally, more)| tally.merge(more));
+                    options.watch.advance(part);
+                }
+                Ok(tallies)
+            };
             let (goal, most) = (&options.goal, options.most_steps);
-            Ok(estimate(&pilot, 0.0, goal, Interval::Student, most, walk)?)
+            estimate(&pilot, &offsets, goal, Interval::Student, most, walk)
         })?;
-        let answer = |(found, target): (&Estimate, &Entries)| {
+        let answer = |((found, target), &offset): ((&Estimate, &Entries), &f64)| {
             let seldom = found.tally.nonzero < SELDOM && !found.reached;
             if seldom && targets.len() > 1 {
                 return self.at_its_own_end(target, options);
             }
-            let answer = report(Method::Forward, 0.0, 0, pilot_steps, found)?;
+            let answer = report(Method::Forward, offset, 0, pilot_steps, found)?;
             Ok(Answer { shared: targets.len(), ..answer })
         };
-        found.iter().flatten().zip(targets).map(answer).collect()
+        found.iter().flatten().zip(targets).zip(&offsets).map(answer).collect()
     }
 
     /// What forward walks for many hardly ever come to, by push and walks from there.
@@ -167,8 +183,19 @@ impl Solver<'_> {
         let kept: Vec<Entries> =
             targets.iter().zip(reached).filter(|&(_, &reached)| reached).map(|(t, _)| t.clone()).collect();
         let mut found = if kept.is_empty() { Vec::new() } else { self.forward(&kept, options)? }.into_iter();
-        let zero = || Answer::exact(0.0, NO_SOURCE);
-        Ok(reached.iter().filter_map(|&reached| if reached { found.next() } else { Some(zero()) }).collect())
+        let known = |offset: f64| {
+            let why = if offset == 0.0 { NO_SOURCE } else { NOTHING_MORE };
+            Answer::exact(offset, why)
+        };
+        let offsets = self.all_known_ahead(targets, options);
+        let answer = |(&reached, offset)| if reached { found.next() } else { Some(known(offset)) };
+        Ok(reached.iter().zip(offsets).filter_map(answer).collect())
+    }
+
+    /// What of each target is known before forward walks.
+    pub(super) fn all_known_ahead(&self, targets: &[Entries], options: &Options) -> Vec<f64> {
+        let terms = self.terms(true, options);
+        targets.iter().map(|target| self.known_ahead(terms, target.iter().copied())).collect()
     }
 
     /// A pilot of forward walks for all targets.
@@ -217,6 +244,9 @@ impl Solver<'_> {
 
 /// Scores of forward walks for many that are too few for one of them.
 const SELDOM: u64 = 64;
+
+/// Walks for many after which it is told how far they are.
+const SHOWN: u64 = 1 << 14;
 
 /// Functionals that are found at a time.
 const GROUP: usize = 256;

@@ -35,6 +35,10 @@ pub(super) struct Side<'a> {
     score: Cow<'a, [f64]>,
     /// Largest row sum of the kernel, where it is known to be below one.
     contraction: Option<f64>,
+    /// What of the answer is known without walks, where these look ahead.
+    ahead: f64,
+    /// What walks score, where it is not looked up ahead.
+    how: Score,
 }
 
 impl Solver<'_> {
@@ -47,7 +51,7 @@ impl Solver<'_> {
         push: Option<&Push<'_>>,
         options: &Options,
     ) -> Result<Option<Side<'b>>, Refusal> {
-        let system = self.system;
+        let (system, terms) = (self.system, self.terms(forward, options));
         let (plain, score) = if forward {
             let mut score = vec![0.0; system.unknowns()];
             match push {
@@ -57,19 +61,38 @@ impl Solver<'_> {
             if push.is_some_and(|push| push.residuals().all(|(_, q)| q == 0.0)) {
                 return Ok(None);
             }
-            (self.source_start()?.map(Cow::Borrowed), Cow::Owned(score))
+            (self.source_start(terms)?.map(Cow::Borrowed), Cow::Owned(score))
         } else {
             let plain = match push {
                 Some(push) => start(push.residuals())?,
                 None => start(target.iter().copied())?,
             };
-            (plain.map(Cow::Owned), Cow::Borrowed(system.source()))
+            let score = if terms > 0 { &self.ahead(terms).next } else { system.source() };
+            (plain.map(Cow::Owned), Cow::Borrowed(score))
         };
         let Some(plain) = plain else { return Ok(None) };
+        let ahead = match push {
+            Some(push) => self.known_ahead(terms, push.residuals()),
+            None => self.known_ahead(terms, target.iter().copied()),
+        };
+        // The next state's score is then that of this one.
+        let looked_up = !forward && terms > 0 && options.score == Score::Expected;
+        let how = if looked_up { Score::Collision } else { options.score };
         let matrix = if forward { system.transposed() } else { system.matrix() };
-        let side =
-            Side { kernel: Cow::Borrowed(matrix), prepared: None, start: plain, score, contraction: None };
-        let weighted_by = |side: Side<'b>, d: &[f64]| side.weighted(Cow::Owned(matrix.similar(d)), d);
+        let side = Side {
+            kernel: Cow::Borrowed(matrix),
+            prepared: None,
+            start: plain,
+            score,
+            contraction: None,
+            ahead,
+            how,
+        };
+        let weighted_by = |side: Side<'b>, d: &[f64]| {
+            let kernel = matrix.similar(d);
+            let largest = largest_row_sum(&kernel);
+            side.weighted(Cow::Owned(kernel), largest, d)
+        };
         let side = match &options.choice {
             Choice::Auto => self.tamed(side, forward)?,
             Choice::Magnitude | Choice::Uniform => side,
@@ -94,9 +117,13 @@ impl Solver<'_> {
         let certificate = self.radius_of(forward).certificate.as_ref();
         match certificate.and_then(|certificate| certificate.weights.as_ref()) {
             Some(weights) if !contracts => {
-                let scaled = kept.scaled.get_or_init(|| matrix.similar(weights));
+                let (scaled, largest) = kept.scaled.get_or_init(|| {
+                    let scaled = matrix.similar(weights);
+                    let largest = largest_row_sum(&scaled);
+                    (scaled, largest)
+                });
                 let prepared = kept.prepared.get_or_init(|| Prepared::new(scaled));
-                let side = side.weighted(Cow::Borrowed(scaled), weights)?;
+                let side = side.weighted(Cow::Borrowed(scaled), *largest, weights)?;
                 Ok(Side { prepared: Some(prepared), ..side })
             }
             _ => {
@@ -109,17 +136,23 @@ impl Solver<'_> {
     }
 
     /// Where forward walks start.
-    fn source_start(&self) -> Result<Option<&Start>, Refusal> {
-        if self.source_start.get().is_none() {
-            let start = start(self.system.source().iter().copied().enumerate())?;
-            let _ = self.source_start.set(start);
+    fn source_start(&self, terms: usize) -> Result<Option<&Start>, Refusal> {
+        let kept = &self.source_start[terms];
+        if kept.get().is_none() {
+            let source = if terms > 0 { &self.ahead(terms).next } else { self.system.source() };
+            let _ = kept.set(start(source.iter().copied().enumerate())?);
         }
-        Ok(self.source_start.get().and_then(Option::as_ref))
+        Ok(kept.get().and_then(Option::as_ref))
     }
 
     fn radius_of(&self, forward: bool) -> &Radius {
         if forward { self.proof.columns(self.system) } else { self.proof.rows(self.system) }
     }
+}
+
+/// The largest sum of magnitudes in a row.
+fn largest_row_sum(kernel: &Matrix) -> f64 {
+    kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max)
 }
 
 /// |y|, with what is (nearly) zero lifted: walks must be able to go there.
@@ -151,14 +184,13 @@ fn perron(kernel: &Matrix) -> Vec<f64> {
 }
 
 impl<'a> Side<'a> {
-    /// The same problem in the coordinates of an importance d: D^-1 K D (given), s D, D^-1 r.
-    fn weighted(self, kernel: Cow<'a, Matrix>, d: &[f64]) -> Result<Self, Refusal> {
+    /// The same problem in the coordinates of an importance d: D^-1 K D (given, with its largest row sum), s D, D^-1 r.
+    fn weighted(self, kernel: Cow<'a, Matrix>, largest: f64, d: &[f64]) -> Result<Self, Refusal> {
         let overflow = || Refusal::Parameter("the importance overflows".into());
         let start = Cow::Owned(self.start.scaled(d).ok_or_else(overflow)?);
         let score: Vec<f64> = self.score.iter().zip(d).map(|(r, d)| r / d).collect();
-        let largest = kernel.map_rows(|i| kernel.row(i).mass()).into_iter().fold(0.0, f64::max);
         let contraction = (largest < CONTRACTS).then_some(largest);
-        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction })
+        Ok(Side { kernel, prepared: None, start, score: Cow::Owned(score), contraction, ..self })
     }
 
     /// The same, if the variance matrix has a radius below 1. Where rows sum to at most one it has that of |K|, which was
@@ -176,6 +208,11 @@ impl<'a> Side<'a> {
         } else {
             Err(Refusal::InfiniteVariance { radius: refusal::describe(&found) })
         }
+    }
+
+    /// What is known without a walk.
+    pub(super) fn ahead(&self) -> f64 {
+        self.ahead
     }
 
     /// What a visit of state `i` scores.
@@ -219,7 +256,7 @@ impl<'a> Side<'a> {
         kernel: &'b Kernel<'b>,
         options: &Options,
     ) -> Result<Walker<'b>, Refusal> {
-        Ok(Walker::new(kernel, &self.start, &self.score, options.score, options.ending)?)
+        Ok(Walker::new(kernel, &self.start, &self.score, self.how, options.ending)?)
     }
 
     /// A bound of the magnitude of any score: known for rows that sum to less than one, without roulette.

@@ -2,7 +2,7 @@
 
 use lichtweg_montecarlo::hash::combine;
 
-use super::reach::NO_SOURCE;
+use super::reach::{NO_SOURCE, NOTHING_MORE};
 use super::side::Side;
 use super::{Answer, Evidence, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -26,11 +26,12 @@ impl Solver<'_> {
         options: &Options,
     ) -> Result<Answer, Refusal> {
         let Some(side) = side else { return Ok(Answer::exact(offset, "nothing is left to walk for")) };
+        let offset = offset + side.ahead();
         let kernel = side.kernel(options);
         let walker = side.walker(&kernel, options)?;
         let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
         if pilot.nonzero == 0 && !side.reaches_a_score() {
-            let why = if offset == 0.0 { NO_SOURCE } else { "no source is left to come to after pushing" };
+            let why = if offset == 0.0 { NO_SOURCE } else { NOTHING_MORE };
             return Ok(Answer { operations, ..Answer::exact(offset, why) });
         }
         if options.quasi {
@@ -39,9 +40,12 @@ impl Solver<'_> {
         }
         let interval = interval(side, options)?;
         let walker = if options.lengths { walker.with_lengths() } else { walker };
-        let walk = |first, count| Ok(vec![walker.tally(options.seed, first, count)?]);
+        let walk = |first, count| -> Result<Vec<Tally>, Refusal> {
+            options.watch.check()?;
+            Ok(vec![walker.tally(options.seed, first, count)?])
+        };
         let pilot_steps = pilot.steps;
-        let found = estimate(&[pilot], offset, &options.goal, interval, options.most_steps, walk)?;
+        let found = estimate(&[pilot], &[offset], &options.goal, interval, options.most_steps, walk)?;
         let report = |found: &Estimate| report(method, offset, operations, pilot_steps, found);
         found.first().map_or_else(|| Err(Refusal::NotBelieved { walks: 0, scored: 0 }), report)
     }
