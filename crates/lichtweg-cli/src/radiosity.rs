@@ -145,8 +145,8 @@ fn wanted(view: &View<'_>, console: Console) -> Option<Vec<usize>> {
     }
     let seen = view.seen();
     console.say(&format!(
-        "note: the {} patches in sight are found one by one; for so many a deterministic solver is the right tool, or --method \
-         sequential, which walks for all of them at once",
+        "note: for the {} patches in sight a deterministic solver is the right tool, or --method sequential, which walks for all of \
+         them at once",
         count(seen.len() as u64)
     ));
     Some(seen)
