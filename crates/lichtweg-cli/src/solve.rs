@@ -3,6 +3,7 @@
 mod animate;
 mod input;
 mod report;
+pub mod stage;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -11,12 +12,13 @@ use clap::{Args, ValueEnum};
 use lichtweg_walk::solver::Choice;
 use lichtweg_walk::stopping::Goal;
 use lichtweg_walk::walk::{Ending, Score, WeightWindow};
-use lichtweg_walk::{Functional, Method, Options, Refusal, Solver};
+use lichtweg_walk::{Answer, Functional, Method, Options, Refusal, Solver};
 
 use crate::console::Console;
 use crate::failure::Failure;
 use input::Problem;
 pub use input::{write_text, write_vector};
+use stage::Stage;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -184,9 +186,8 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
         }
     }
     let solver = Solver::new(&input.system);
-    let answers = console
-        .stage("walking", || solver.solve_all(&functionals, &options))
-        .map_err(|refusal| refused(&refusal, &input))?;
+    let answers =
+        watched(&solver, &functionals, &options, console).map_err(|refusal| refused(&refusal, &input))?;
     if let Some(path) = &args.write {
         let Some(x) = answers.iter().find_map(|answer| answer.x.as_ref()) else {
             return Err(Failure::Failed(
@@ -202,6 +203,23 @@ pub fn run(args: &SolveArgs) -> Result<(), Failure> {
         crate::console::tell("warning: not known as well as was asked for; --max-steps allows more");
     }
     Ok(())
+}
+
+/// Solves, where one can see how far it is.
+fn watched(
+    solver: &Solver<'_>,
+    functionals: &[Functional],
+    options: &Options,
+    console: Console,
+) -> Result<Vec<Answer>, Refusal> {
+    if console == Console::Plain {
+        console.say("solving");
+    }
+    let walks = functionals.len() == 1 || options.method == Method::Forward;
+    let unit = if walks { "walks" } else { "unknowns" };
+    let stage = Stage { channel: 0, channels: 1, began: Instant::now(), unit };
+    let _ticker = stage.show(console, options.watch.clone(), None);
+    solver.solve_all(functionals, options)
 }
 
 fn refused(refusal: &Refusal, input: &input::SystemInput) -> Failure {

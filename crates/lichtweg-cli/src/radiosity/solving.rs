@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use lichtweg_walk::solver::Watch;
 use lichtweg_walk::stopping::Goal;
 use lichtweg_walk::walk::Ending;
@@ -12,13 +11,10 @@ use super::RadiosityArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::progress::Ticker;
-use crate::text::{count, countdown};
+use crate::solve::stage::Stage;
 
 /// Exit code of what Ctrl-C has ended.
 const INTERRUPTED: u8 = 130;
-/// Steps of the bar.
-const STEPS: u64 = 10_000;
 
 /// The radiosity of each patch in each channel: of all patches, or of those that are wanted, among zeros.
 pub fn solve(
@@ -35,7 +31,7 @@ pub fn solve(
     for (channel, system) in systems.iter().enumerate() {
         let stage = Stage { channel, channels: systems.len(), began, unit: unit(args.method) };
         let watch = Watch::default();
-        let ticker = stage.show(console, watch.clone(), interrupt.clone());
+        let ticker = stage.show(console, watch.clone(), Some(interrupt.clone()));
         let solved = channel_of(system, wanted, args, watch.clone());
         drop(ticker);
         match solved {
@@ -89,84 +85,4 @@ fn channel_of(
 /// What a method counts.
 fn unit(method: Method) -> &'static str {
     if method == Method::Forward { "walks" } else { "patches" }
-}
-
-/// One channel of all.
-#[derive(Clone, Copy, Debug)]
-struct Stage {
-    channel: usize,
-    channels: usize,
-    began: Instant,
-    unit: &'static str,
-}
-
-impl Stage {
-    /// Shows a bar on a terminal and passes Ctrl-C on, until dropped.
-    fn show(self, console: Console, watch: Watch, interrupt: Interrupt) -> Ticker {
-        let bar = (console == Console::Terminal).then(|| {
-            let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {wide_msg}");
-            ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        });
-        let began = Instant::now();
-        Ticker::start(move |last| {
-            if interrupt.asked() {
-                watch.stop();
-            }
-            let Some(bar) = &bar else { return };
-            let (done, of) = watch.progress();
-            bar.set_position((self.fraction(done, of) * STEPS as f64) as u64);
-            bar.set_message(self.message(done, of, began.elapsed().as_secs_f64()));
-            if last {
-                bar.finish_and_clear();
-            }
-        })
-    }
-
-    /// The part of all channels that is done, in [0, 1].
-    fn fraction(self, done: u64, of: u64) -> f64 {
-        let here = if of > 0 { (done as f64 / of as f64).min(1.0) } else { 0.0 };
-        (self.channel as f64 + here) / self.channels as f64
-    }
-
-    /// `1,200 of 4,418 patches of channel 2 of 3`.
-    fn part(self, done: u64, of: u64) -> String {
-        let channel = format!("channel {} of {}", self.channel + 1, self.channels);
-        match of {
-            0 => channel,
-            _ => format!("{} of {} {} of {channel}", count(done), count(of), self.unit),
-        }
-    }
-
-    /// What is done, how fast, and how long the rest will take, `here` seconds after this channel began.
-    fn message(self, done: u64, of: u64, here: f64) -> String {
-        let fraction = self.fraction(done, of);
-        let elapsed = self.began.elapsed().as_secs_f64();
-        let rate = if done > 0 && here > 0.0 {
-            format!(", {} {}/s", count((done as f64 / here) as u64), self.unit)
-        } else {
-            String::new()
-        };
-        let left = if fraction > 0.0 {
-            format!(", {} left", countdown(elapsed * (1.0 - fraction) / fraction))
-        } else {
-            String::new()
-        };
-        format!("{}{rate}{left}", self.part(done, of))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn it_is_told_how_far_all_channels_are() {
-        let stage = Stage { channel: 1, channels: 3, began: Instant::now(), unit: "patches" };
-        assert_eq!(stage.fraction(0, 0), 1.0 / 3.0);
-        assert_eq!(stage.fraction(50, 100), 0.5);
-        assert_eq!(stage.fraction(200, 100), 2.0 / 3.0);
-        assert_eq!(stage.part(1200, 4418), "1,200 of 4,418 patches of channel 2 of 3");
-        assert!(stage.message(1200, 4418, 2.0).contains("600 patches/s, "));
-        assert!(stage.message(1200, 4418, 2.0).ends_with(" s left"));
-    }
 }

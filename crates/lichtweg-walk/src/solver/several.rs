@@ -245,8 +245,8 @@ impl Solver<'_> {
 /// Scores of forward walks for many that are too few for one of them.
 const SELDOM: u64 = 64;
 
-/// Walks for many after which it is told how far they are.
-const SHOWN: u64 = 1 << 14;
+/// Walks after which it is told how far they are.
+pub(super) const SHOWN: u64 = 1 << 14;
 
 /// Functionals that are found at a time.
 const GROUP: usize = 256;

@@ -3,6 +3,7 @@
 use lichtweg_montecarlo::hash::combine;
 
 use super::reach::{NO_SOURCE, NOTHING_MORE};
+use super::several::SHOWN;
 use super::side::Side;
 use super::{Answer, Evidence, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -40,9 +41,21 @@ impl Solver<'_> {
         }
         let interval = interval(side, options)?;
         let walker = if options.lengths { walker.with_lengths() } else { walker };
-        let walk = |first, count| -> Result<Vec<Tally>, Refusal> {
-            options.watch.check()?;
-            Ok(vec![walker.tally(options.seed, first, count)?])
+        let alone = options.watch.counts_walks();
+        let walk = |first: u64, count: u64| -> Result<Vec<Tally>, Refusal> {
+            if alone {
+                options.watch.expect(first + count);
+            }
+            let mut tally = Tally::default();
+            for from in (0..count).step_by(SHOWN as usize) {
+                options.watch.check()?;
+                let part = SHOWN.min(count - from);
+                tally.merge(&walker.tally(options.seed, first + from, part)?);
+                if alone {
+                    options.watch.advance(part);
+                }
+            }
+            Ok(vec![tally])
         };
         let pilot_steps = pilot.steps;
         let found = estimate(&[pilot], &[offset], &options.goal, interval, options.most_steps, walk)?;

@@ -41,6 +41,15 @@ impl Watch {
         self.0.of.store(of, Ordering::Relaxed);
     }
 
+    /// Whether walks are to be counted from now on, since there is but one functional.
+    pub(super) fn counts_walks(&self) -> bool {
+        let alone = self.progress().1 <= 1;
+        if alone {
+            self.begin(0);
+        }
+        alone
+    }
+
     /// More is to be done than was thought.
     pub(super) fn expect(&self, of: u64) {
         self.0.of.store(of, Ordering::Relaxed);
