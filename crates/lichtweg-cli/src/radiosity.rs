@@ -31,7 +31,7 @@ const EXAMPLES: &str = "\
 Examples:
   lichtweg radiosity builtin:cornell-box -o box.png
   lichtweg radiosity scene.xml -o out.exr --patch 0.05 --rays 4096
-  lichtweg radiosity builtin:cornell-box -o walks.png --method adjoint --patch 0.1 --tolerance 0.1
+  lichtweg radiosity builtin:cornell-box -o walks.png --method adjoint
   lichtweg radiosity builtin:cornell-box --system box    write box-M.mtx and box-b.mtx (green), for `lichtweg solve`";
 
 /// Solve a diffuse scene as a linear system, by walks or without
