@@ -237,7 +237,8 @@ impl Camera {
     #[inline(always)]
     pub(crate) fn views<F: Float>(&self, lens_point: Vector<F>, direction: Vector<F>) -> View<F> {
         let splat = F::splat;
-        let [left, up, forward] = self.pose.axes.map(spread::<F>);
+        let [left, up, forward] = self.pose.axes;
+        let (left, up, forward) = (spread(left), spread(up), spread::<F>(forward));
         let cos = direction.dot(forward);
         // In camera space, at depth 1 from the pinhole: where the plane in focus is met, scaled back.
         let (mut x, mut y) = (direction.dot(left) / cos, direction.dot(up) / cos);

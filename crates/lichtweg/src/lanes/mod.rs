@@ -4,6 +4,9 @@
 mod elementary;
 pub(crate) mod warp;
 
+use lichtweg_ray::math::{Vec3, Vector};
+use lichtweg_ray::wide::{FloatLanes, Lanes};
+
 pub(crate) use elementary::{exp, ln, polynomial};
 
 /// The largest number below 1.
@@ -19,4 +22,16 @@ pub(crate) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
             lane
         })
     })
+}
+
+/// A vector, lane by lane in memory.
+#[inline(always)]
+pub(crate) fn lanes_of_vector<F: FloatLanes>(v: Vector<F>) -> [Lanes<f32>; 3] {
+    [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
+}
+
+/// The vector of a lane.
+#[inline(always)]
+pub(crate) fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
+    Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane])
 }

@@ -5,8 +5,8 @@ use lichtweg_ray::wide::{self, Float, FloatLanes, Kernel, LANES, Lanes, Row, Wid
 use lichtweg_ray::{Ray, RayPacket};
 
 use super::counting_sort::CountingSort;
-use super::wave::lanes_of_vector;
 use super::wave::queue::{BUCKETS, bucket};
+use crate::lanes::lanes_of_vector;
 use crate::scene::{RayCounts, Scene};
 
 /// A row that means nothing, to point at where a lane has none.

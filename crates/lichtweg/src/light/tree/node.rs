@@ -7,9 +7,10 @@
 use std::f32::consts::PI;
 
 use lichtweg_ray::math::{Vec3, Vector};
-use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes};
+use lichtweg_ray::wide::{Float, FloatLanes, LANES};
 
 use super::bounds::LightBounds;
+use crate::lanes::{lanes_of_vector, vec3};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -34,9 +35,8 @@ impl<F: FloatLanes> Receiver<F> {
     /// Of each lane.
     #[inline(always)]
     pub(crate) fn to_singles(self) -> [Receiver; LANES] {
-        let [p, n] = [self.position, self.normal].map(|v| [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]);
-        let lane = |v: &[Lanes<f32>; 3], i: usize| Vec3::new(v[0].0[i], v[1].0[i], v[2].0[i]);
-        std::array::from_fn(|i| Receiver { position: lane(&p, i), normal: lane(&n, i) })
+        let (p, n) = (lanes_of_vector(self.position), lanes_of_vector(self.normal));
+        std::array::from_fn(|i| Receiver { position: vec3(&p, i), normal: vec3(&n, i) })
     }
 }
 

@@ -26,7 +26,7 @@ use super::path::Walk;
 use super::{PathObserver, PathTracer, WalkCounts};
 use crate::camera::CameraRays;
 use crate::color::{Spectra, Spectrum};
-use crate::lanes::lanes_of;
+use crate::lanes::{lanes_of, lanes_of_vector, vec3};
 use crate::scene::Scene;
 pub(crate) use draws::Draws;
 use queue::{CAPACITY, ConnectionQueue, Paths, WalkLanes, WalkQueue};
@@ -166,17 +166,6 @@ const NUMBERS: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
 #[inline(always)]
 fn load_vector<W: Wide>(v: &[Lanes<f32>; 3]) -> Vector<W::F32> {
     Vector::new(W::F32::load(&v[0]), W::F32::load(&v[1]), W::F32::load(&v[2]))
-}
-
-#[inline(always)]
-pub(super) fn lanes_of_vector<F: FloatLanes>(v: Vector<F>) -> [Lanes<f32>; 3] {
-    [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
-}
-
-/// The vector of a lane.
-#[inline(always)]
-pub(super) fn vec3(v: &[Lanes<f32>; 3], lane: usize) -> Vec3 {
-    Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane])
 }
 
 #[inline(always)]
