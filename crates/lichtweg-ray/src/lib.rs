@@ -65,7 +65,7 @@
 //! Under Miri queries run on the portable instructions, and rayon needs some leave:
 //! `MIRIFLAGS="-Zmiri-tree-borrows -Zmiri-ignore-leaks -Zmiri-permissive-provenance" cargo +nightly miri test
 //! -p lichtweg-ray --test instances`. With the others, valgrind knows AVX2, and AddressSanitizer all: `valgrind target/release/deps/differential-*`;
-//! `RUSTFLAGS=-Zsanitizer=address cargo +nightly test -p lichtweg-ray --target x86_64-unknown-linux-gnu`.
+//! `RUSTFLAGS=-Zsanitizer=address cargo +nightly test --release --lib --tests -p lichtweg-ray --target x86_64-unknown-linux-gnu`.
 
 mod accel;
 #[cfg(test)]
