@@ -3,7 +3,9 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes};
+use super::{
+    Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes, assert_indices,
+};
 
 // SAFETY (every block in this file): the intrinsics need AVX2 and FMA; values of these types exist only below the dispatch
 // that has detected them. Memory is touched by the loads, stores and gathers alone, all of whole, checked ranges.
@@ -243,9 +245,9 @@ impl Float for F32 {
     #[inline(always)]
     fn copysign(self, b: Self) -> Self {
         let sign = Self::splat(-0.0);
-        let (s, t) = pairs!(_mm256_and_ps, sign, b);
-        let magnitude = self.abs();
-        let (a, b) = pairs!(_mm256_or_ps, magnitude, (s, t));
+        let signs = pairs!(_mm256_and_ps, sign, b);
+        let magnitudes = self.abs();
+        let (a, b) = pairs!(_mm256_or_ps, magnitudes, signs);
         Self(a, b)
     }
 
@@ -413,7 +415,7 @@ impl FloatLanes for F32 {
 
     #[inline(always)]
     fn gather(table: &[f32], index: U32) -> Self {
-        index.assert_below(table.len());
+        assert_indices(index, table.len());
         let p = table.as_ptr();
         // SAFETY: see above.
         unsafe { Self(_mm256_i32gather_ps::<4>(p, index.0), _mm256_i32gather_ps::<4>(p, index.1)) }
@@ -483,13 +485,6 @@ fn transpose8(r: [__m256; 8]) -> [__m256; 8] {
 }
 
 impl U32 {
-    /// Panics where a lane is not an index of a table of `len` elements.
-    #[inline(always)]
-    fn assert_below(self, len: usize) {
-        let len = u32::try_from(len).unwrap_or(u32::MAX).min(1 << 31);
-        assert!(self.lt(Self::splat(len)).bits() == 0xffff, "an index is out of range");
-    }
-
     /// Lanes of 64 bits.
     #[inline(always)]
     fn sign_extended(self) -> U64 {
@@ -598,7 +593,7 @@ impl WordLanes for U32 {
 
     #[inline(always)]
     fn gather(table: &[u32], index: Self) -> Self {
-        index.assert_below(table.len());
+        assert_indices(index, table.len());
         let p = table.as_ptr().cast();
         // SAFETY: see above.
         unsafe { Self(_mm256_i32gather_epi32::<4>(p, index.0), _mm256_i32gather_epi32::<4>(p, index.1)) }

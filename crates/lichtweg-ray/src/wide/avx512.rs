@@ -3,7 +3,9 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes};
+use super::{
+    Double, Float, FloatLanes, LANES, Lanes, Long, Mask, Row, Wide, Word, WordLanes, assert_indices,
+};
 
 // SAFETY (every block in this file): the intrinsics need AVX-512 F and DQ; values of these types exist only below the
 // dispatch that has detected them. Memory is touched by the loads and stores alone, which are unaligned ones of whole,
@@ -371,7 +373,7 @@ impl FloatLanes for F32 {
 
     #[inline(always)]
     fn gather(table: &[f32], index: U32) -> Self {
-        index.assert_below(table.len());
+        assert_indices(index, table.len());
         // SAFETY: see above.
         Self(unsafe { _mm512_i32gather_ps::<4>(index.0, table.as_ptr()) })
     }
@@ -406,15 +408,6 @@ impl FloatLanes for F32 {
             out[i] = Self(lane[i]);
         }
         out
-    }
-}
-
-impl U32 {
-    /// Panics where a lane is not an index of a table of `len` elements.
-    #[inline(always)]
-    fn assert_below(self, len: usize) {
-        let len = u32::try_from(len).unwrap_or(u32::MAX).min(1 << 31);
-        assert!(self.lt(Self::splat(len)).bits() == 0xffff, "an index is out of range");
     }
 }
 
@@ -533,7 +526,7 @@ impl WordLanes for U32 {
 
     #[inline(always)]
     fn gather(table: &[u32], index: Self) -> Self {
-        index.assert_below(table.len());
+        assert_indices(index, table.len());
         // SAFETY: see above.
         Self(unsafe { _mm512_i32gather_epi32::<4>(index.0, table.as_ptr().cast()) })
     }

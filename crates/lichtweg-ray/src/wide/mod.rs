@@ -285,6 +285,14 @@ pub trait Long: Copy + BitXor<Output = Self> + BitOr<Output = Self> {
     fn high(self) -> Self::U32;
 }
 
+/// Panics where a lane is not an index of a table of `len` elements, or does not fit into an `i32`: what gathers rely on.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn assert_indices<U: WordLanes>(index: U, len: usize) {
+    let len = u32::try_from(len).unwrap_or(u32::MAX).min(1 << 31);
+    assert!(index.lt(U::splat(len)).bits() == 0xffff, "an index is out of range");
+}
+
 /// A piece of work that is written once and runs on every instruction set.
 pub trait Kernel {
     /// What it yields.
