@@ -13,8 +13,10 @@ const QUICK_FOR_ALL: usize = 1 << 22;
 /// Why it is zero.
 pub(super) const NO_SOURCE: &str = "nothing of the source vector can come here: the answer is zero";
 
-/// Why no walk is needed for the rest.
-pub(super) const NOTHING_MORE: &str = "no source is left to come to";
+/// What is known, where walks would find nothing more.
+pub(super) fn nothing_more(known: f64) -> Answer {
+    Answer::exact(known, if known == 0.0 { NO_SOURCE } else { "no source is left to come to" })
+}
 
 impl Solver<'_> {
     /// The answer 0 where it takes few entries to see that nothing comes to a functional, one of `count`.

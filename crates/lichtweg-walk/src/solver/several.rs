@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::reach::{NO_SOURCE, NOTHING_MORE};
+use super::reach::{NO_SOURCE, nothing_more};
 use super::walking::{interval, report};
 use super::{Answer, Entries, Functional, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -137,17 +137,14 @@ impl Solver<'_> {
         let pilot_steps = pilot.first().map_or(0, |tally| tally.steps);
         let found = self.with_joint_walks(targets, options, |walker, weighted| {
             options.watch.begin(0);
-            let walk = |first: u64, count: u64| {
+            let walk = |first, count| {
                 options.watch.expect(first + count);
-                let mut tallies = vec![Tally::default(); targets.len()];
-                for from in (0..count).step_by(SHOWN as usize) {
+                in_parts(first, count, targets.len(), |first, part| {
                     options.watch.check()?;
-                    let part = SHOWN.min(count - from);
-                    let more = walker.tally_all(weighted, options.seed, first + from, part)?;
-                    tallies.iter_mut().zip(&more).for_each(|(tally, more)| tally.merge(more));
+                    let tallies = walker.tally_all(weighted, options.seed, first, part)?;
                     options.watch.advance(part);
-                }
-                Ok(tallies)
+                    Ok(tallies)
+                })
             };
             let (goal, most) = (&options.goal, options.most_steps);
             estimate(&pilot, &offsets, goal, Interval::Student, most, walk)
@@ -183,12 +180,8 @@ impl Solver<'_> {
         let kept: Vec<Entries> =
             targets.iter().zip(reached).filter(|&(_, &reached)| reached).map(|(t, _)| t.clone()).collect();
         let mut found = if kept.is_empty() { Vec::new() } else { self.forward(&kept, options)? }.into_iter();
-        let known = |offset: f64| {
-            let why = if offset == 0.0 { NO_SOURCE } else { NOTHING_MORE };
-            Answer::exact(offset, why)
-        };
         let offsets = self.all_known_ahead(targets, options);
-        let answer = |(&reached, offset)| if reached { found.next() } else { Some(known(offset)) };
+        let answer = |(&reached, offset)| if reached { found.next() } else { Some(nothing_more(offset)) };
         Ok(reached.iter().zip(offsets).filter_map(answer).collect())
     }
 
@@ -246,7 +239,22 @@ impl Solver<'_> {
 const SELDOM: u64 = 64;
 
 /// Walks after which it is told how far they are.
-pub(super) const SHOWN: u64 = 1 << 14;
+const SHOWN: u64 = 1 << 14;
+
+/// Tallies of `count` walks from one on, a part at a time.
+pub(super) fn in_parts(
+    first: u64,
+    count: u64,
+    tallies: usize,
+    walk: impl Fn(u64, u64) -> Result<Vec<Tally>, Refusal>,
+) -> Result<Vec<Tally>, Refusal> {
+    let mut sums = vec![Tally::default(); tallies];
+    for from in (0..count).step_by(SHOWN as usize) {
+        let more = walk(first + from, SHOWN.min(count - from))?;
+        sums.iter_mut().zip(&more).for_each(|(sum, more)| sum.merge(more));
+    }
+    Ok(sums)
+}
 
 /// Functionals that are found at a time.
 const GROUP: usize = 256;

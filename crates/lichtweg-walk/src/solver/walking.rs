@@ -2,8 +2,8 @@
 
 use lichtweg_montecarlo::hash::combine;
 
-use super::reach::{NO_SOURCE, NOTHING_MORE};
-use super::several::SHOWN;
+use super::reach::nothing_more;
+use super::several::in_parts;
 use super::side::Side;
 use super::{Answer, Evidence, Method, Options, PILOT_SEED, Refusal, Solver};
 use crate::stopping::{Estimate, Interval, PILOT, estimate};
@@ -32,8 +32,7 @@ impl Solver<'_> {
         let walker = side.walker(&kernel, options)?;
         let pilot = walker.tally(options.seed ^ PILOT_SEED, 0, PILOT)?;
         if pilot.nonzero == 0 && !side.reaches_a_score() {
-            let why = if offset == 0.0 { NO_SOURCE } else { NOTHING_MORE };
-            return Ok(Answer { operations, ..Answer::exact(offset, why) });
+            return Ok(Answer { operations, ..nothing_more(offset) });
         }
         if options.quasi {
             let answer = self.walk_quasi(method, &walker, offset, operations, options)?;
@@ -46,16 +45,14 @@ impl Solver<'_> {
             if alone {
                 options.watch.expect(first + count);
             }
-            let mut tally = Tally::default();
-            for from in (0..count).step_by(SHOWN as usize) {
+            in_parts(first, count, 1, |first, part| {
                 options.watch.check()?;
-                let part = SHOWN.min(count - from);
-                tally.merge(&walker.tally(options.seed, first + from, part)?);
+                let tally = walker.tally(options.seed, first, part)?;
                 if alone {
                     options.watch.advance(part);
                 }
-            }
-            Ok(vec![tally])
+                Ok(vec![tally])
+            })
         };
         let pilot_steps = pilot.steps;
         let found = estimate(&[pilot], &[offset], &options.goal, interval, options.most_steps, walk)?;
