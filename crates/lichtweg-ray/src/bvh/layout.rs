@@ -145,6 +145,12 @@ impl Block {
         self.ids[lane] = id;
     }
 
+    /// Number of triangles: they fill the first lanes.
+    #[inline(always)]
+    pub(crate) fn len(&self) -> u32 {
+        self.ids.iter().map(|&id| u32::from(id != Self::NO_ID)).sum()
+    }
+
     pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
         self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane]))
     }

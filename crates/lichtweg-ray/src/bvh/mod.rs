@@ -7,4 +7,4 @@ mod traverse;
 
 pub(crate) use layout::{Block, Bvh, ChildRef, Node, Numbering};
 pub(crate) use query::{closest, closest_filtered, occluded, occluded_filtered};
-pub(crate) use traverse::{Best, MAX_DEPTH, Other, descend};
+pub(crate) use traverse::{Best, MAX_DEPTH, Other, descend, take};

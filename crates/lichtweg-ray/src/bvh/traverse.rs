@@ -398,7 +398,7 @@ fn child(node: &Node, slot: usize) -> ChildRef {
 }
 
 #[inline(always)]
-fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: &Block) {
+pub(crate) fn take<V: Lanes>(best: &mut Best, hits: &BlockHits<V>, block: &Block) {
     let t = hits.t();
     let mut mask = hits.mask;
     let mut nearest = mask.trailing_zeros() as usize & 7;

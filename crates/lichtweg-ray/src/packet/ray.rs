@@ -1,9 +1,10 @@
 //! Sixteen rays made ready for boxes and triangles: what `bvh::slab` and `triangle` do for one.
 
 use crate::build::MAX_COORDINATE;
+use crate::bvh::Block;
 use crate::bvh::slab::{Slab, TINY, near_rows};
 use crate::math::Vec3;
-use crate::simd::Lanes as NarrowLanes;
+use crate::simd::{Lanes as NarrowLanes, WIDTH};
 use crate::triangle::{SLACK, Shear, TINY_AREA};
 use crate::wide::{Float, FloatLanes, Mask, Wide, Word};
 
@@ -23,6 +24,8 @@ pub(super) struct Prepared<W: Wide> {
     pub far_shift: [W::F32; 3],
     /// Whether the shear's z is the world's x, or y.
     steep: [W::Mask; 2],
+    /// The shear's axes in terms of world axes, where all active rays have the same.
+    pub axes: Option<[usize; 3]>,
     /// Origin, in the shear's axes.
     origin: [W::F32; 3],
     /// (dx/dz, dy/dz, 1/dz).
@@ -121,6 +124,7 @@ impl<W: Wide> Prepared<W> {
             far_scale: d,
             far_shift: d,
             steep,
+            axes: common_axes(sound, steep),
             origin: permute::<W>(steep, o),
             scale,
             near_z: tnear * dz.abs() * splat(1.0 - SLACK),
@@ -160,14 +164,19 @@ impl<W: Wide> Prepared<W> {
 
     /// Rays that pass through a triangle before `tfar`, as far as can be told without a division.
     #[inline(always)]
-    pub(super) fn near(&self, corners: [[f32; 3]; 3], tfar: W::F32) -> W::Mask {
-        self.passage(corners).before(self, tfar)
+    pub(super) fn near(&self, triangle: &impl Triangle<W>, tfar: W::F32) -> W::Mask {
+        self.passage(triangle).before(self, tfar)
     }
 
     /// Of the rays of [`Prepared::near`], the hits with `tnear < t <= tfar`.
     #[inline(always)]
-    pub(super) fn intersect(&self, corners: [[f32; 3]; 3], near: W::Mask, tfar: W::F32) -> TriangleHits<W> {
-        let Passage { edges: [u, v, w], least, most, det, z: [az, bz, cz], .. } = self.passage(corners);
+    pub(super) fn intersect(
+        &self,
+        triangle: &impl Triangle<W>,
+        near: W::Mask,
+        tfar: W::F32,
+    ) -> TriangleHits<W> {
+        let Passage { edges: [u, v, w], least, most, det, z: [az, bz, cz], .. } = self.passage(triangle);
         let zero = W::F32::splat(0.0);
         let r = W::F32::splat(1.0) / det;
         let (u, v, w) = (u * r, v * r, w * r);
@@ -179,10 +188,10 @@ impl<W: Wide> Prepared<W> {
     }
 
     #[inline(always)]
-    fn passage(&self, corners: [[f32; 3]; 3]) -> Passage<W> {
-        let [ax, ay, az] = self.sheared(corners[0]);
-        let [bx, by, bz] = self.sheared(corners[1]);
-        let [cx, cy, cz] = self.sheared(corners[2]);
+    fn passage(&self, triangle: &impl Triangle<W>) -> Passage<W> {
+        let [ax, ay, az] = self.sheared(triangle.corner(0, self.steep));
+        let [bx, by, bz] = self.sheared(triangle.corner(1, self.steep));
+        let [cx, cy, cz] = self.sheared(triangle.corner(2, self.steep));
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
@@ -197,9 +206,7 @@ impl<W: Wide> Prepared<W> {
     }
 
     #[inline(always)]
-    fn sheared(&self, [x, y, z]: [f32; 3]) -> [W::F32; 3] {
-        let splat = W::F32::splat;
-        let [x, y, z] = permute::<W>(self.steep, [splat(x), splat(y), splat(z)]);
+    fn sheared(&self, [x, y, z]: [W::F32; 3]) -> [W::F32; 3] {
         let [x, y, z] = [x - self.origin[0], y - self.origin[1], z - self.origin[2]];
         [self.scale[0].neg_mul_add(z, x), self.scale[1].neg_mul_add(z, y), z]
     }
@@ -246,23 +253,73 @@ fn of_lane<W: Wide>(v: &[W::F32; 3], lane: usize) -> [f32; 3] {
     [v[0].lane(lane), v[1].lane(lane), v[2].lane(lane)]
 }
 
-/// The corners of a triangle of a block, as numbers to spread over the lanes.
+/// The axes of the shears of some rays, where they are the same.
 #[inline(always)]
-pub(super) fn corners(block: &crate::bvh::Block, lane: usize) -> [[f32; 3]; 3] {
-    let c = &block.corners;
-    [
-        [c[0][0][lane], c[0][1][lane], c[0][2][lane]],
-        [c[1][0][lane], c[1][1][lane], c[1][2][lane]],
-        [c[2][0][lane], c[2][1][lane], c[2][2][lane]],
-    ]
+fn common_axes<M: Mask>(rays: M, [zx, zy]: [M; 2]) -> Option<[usize; 3]> {
+    let rays = rays.bits();
+    match (zx.bits() & rays, zy.bits() & rays) {
+        (0, 0) => Some([0, 1, 2]),
+        (x, 0) if x == rays => Some([1, 2, 0]),
+        (0, y) if y == rays => Some([2, 0, 1]),
+        _ => None,
+    }
+}
+
+/// A triangle in the axes of the rays' shears.
+pub(super) trait Triangle<W: Wide> {
+    /// A corner. `steep`: see [`Prepared`].
+    fn corner(&self, corner: usize, steep: [W::Mask; 2]) -> [W::F32; 3];
+}
+
+/// A triangle of a block, for rays whose shears have the same axes: a third of the test's arithmetic less.
+pub(super) struct Aligned<'a> {
+    pub block: &'a Block,
+    pub lane: usize,
+    /// See [`Prepared::axes`].
+    pub axes: [usize; 3],
+}
+
+impl<W: Wide> Triangle<W> for Aligned<'_> {
+    #[inline(always)]
+    fn corner(&self, corner: usize, _: [W::Mask; 2]) -> [W::F32; 3] {
+        let &Self { block, lane, axes: [x, y, z] } = self;
+        [
+            coordinate::<W>(block, lane, corner, x),
+            coordinate::<W>(block, lane, corner, y),
+            coordinate::<W>(block, lane, corner, z),
+        ]
+    }
+}
+
+/// A triangle of a block, for any rays.
+pub(super) struct Mixed<'a> {
+    pub block: &'a Block,
+    pub lane: usize,
+}
+
+impl<W: Wide> Triangle<W> for Mixed<'_> {
+    #[inline(always)]
+    fn corner(&self, corner: usize, steep: [W::Mask; 2]) -> [W::F32; 3] {
+        let &Self { block, lane } = self;
+        let at = [
+            coordinate::<W>(block, lane, corner, 0),
+            coordinate::<W>(block, lane, corner, 1),
+            coordinate::<W>(block, lane, corner, 2),
+        ];
+        permute::<W>(steep, at)
+    }
+}
+
+/// A number of a block, in all lanes.
+#[inline(always)]
+fn coordinate<W: Wide>(block: &Block, lane: usize, corner: usize, axis: usize) -> W::F32 {
+    debug_assert!(axis < 3 && lane < WIDTH);
+    // SAFETY: callers name one of three axes and a lane below the width.
+    W::F32::splat(unsafe { *block.corners[corner].get_unchecked(axis).get_unchecked(lane) })
 }
 
 /// The slow test of one ray against one triangle; see [`crate::triangle`].
-pub(super) fn settle(
-    shear: &Shear,
-    corners: [[f32; 3]; 3],
-    tfar: f32,
-) -> Option<crate::triangle::TriangleHit> {
-    let h = crate::triangle::triangle(shear, corners.map(Vec3::from_array))?;
+pub(super) fn settle(shear: &Shear, corners: [Vec3; 3], tfar: f32) -> Option<crate::triangle::TriangleHit> {
+    let h = crate::triangle::triangle(shear, corners)?;
     (h.t > shear.tnear && h.t <= tfar).then_some(h)
 }
