@@ -66,7 +66,7 @@ impl Scene {
         let triangles = shapes.iter().map(|s| s.form.triangles()).sum();
         let seconds = start.elapsed().as_secs_f64();
         let structures = Structures::build(description, &shapes, &group_ranges(description));
-        let Structures { accel, instances, report: hierarchies } =
+        let Structures { accel, emitters, instances, report: hierarchies } =
             structures.map_err(|fault| diagnostics.push(fault)).ok()?;
         let surroundings = surroundings(accel.bounds());
         let candidates: Vec<_> =
@@ -78,6 +78,7 @@ impl Scene {
             has_holes: shapes.iter().any(|s| s.has_holes),
             selection: LightSelection::new(&candidates, description.integrator.light_choice),
             accel,
+            emitters,
             instances,
             hierarchies,
             shapes,

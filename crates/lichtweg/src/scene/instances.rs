@@ -11,6 +11,7 @@ use lichtweg_ray::math::{Affine, Motion, Vec2, Vec3};
 use lichtweg_ray::{Accel, BuildError, BuildOptions, BuildReport, Geometry, Hit, Instance, Placement, Ray};
 
 use super::description::{Description, Diagnostic, InstanceDescription};
+use super::emitters::Emitters;
 use super::offset::position_error;
 use super::surface::{Form, Place, SurfacePoint};
 use super::{Scene, Shape};
@@ -33,6 +34,7 @@ impl Instances {
 /// The ray engine's structures over a scene.
 pub(super) struct Structures {
     pub accel: Accel,
+    pub emitters: Option<Emitters>,
     pub instances: Instances,
     /// Counts of all structures together.
     pub report: BuildReport,
@@ -84,7 +86,8 @@ impl Structures {
             all.seconds += r.seconds;
             all
         });
-        Ok(Self { accel, instances, report })
+        let emitters = Emitters::new(&shapes[..in_world], &report).map_err(|error| bad(&error))?;
+        Ok(Self { accel, emitters, instances, report })
     }
 }
 

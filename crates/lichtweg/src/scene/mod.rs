@@ -4,6 +4,7 @@ mod candidate;
 mod compile;
 mod curve;
 pub mod description;
+mod emitters;
 mod instances;
 mod material;
 pub mod offset;
@@ -26,6 +27,7 @@ pub use sphere::Sphere;
 pub(crate) use surface::Facets;
 pub use surface::{Form, MeshForm, Place, QuadricForm, SurfacePoint};
 
+use emitters::Emitters;
 use instances::Instances;
 pub(crate) use instances::on_shutter_clock;
 
@@ -33,6 +35,7 @@ pub(crate) use instances::on_shutter_clock;
 #[derive(Debug)]
 pub struct Scene {
     accel: Accel,
+    emitters: Option<Emitters>,
     instances: Instances,
     hierarchies: BuildReport,
     /// Those in the world as the ray engine numbers them, then those of groups.

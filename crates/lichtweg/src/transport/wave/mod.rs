@@ -41,7 +41,8 @@ pub struct Wave {
     connections: ConnectionQueue,
     /// What the camera rays see only from, and only up to.
     clip: [Vec<f32>; 2],
-    hits: Vec<HitPacket>,
+    /// What sixteen walks each have hit, and which of them bring anything.
+    hits: Vec<(HitPacket, u32)>,
     radiance: Vec<Spectrum>,
 }
 
@@ -213,12 +214,13 @@ impl<O: PathObserver> Kernel for Step<'_, O> {
         self.wave.connections.clear();
         let walks = self.wave.walks.len();
         self.counts.edges += walks as u64;
-        self.counts.rays.closest += walks as u64;
         self.trace::<W>();
         let hits = std::mem::take(&mut self.wave.hits);
-        for (at, hits) in (0..walks).step_by(LANES).zip(&hits) {
-            let lanes = self.wave.walks.lanes(at);
-            self.vertices::<W>(lanes, at, lanes_from(at, walks), hits);
+        for (at, (hits, active)) in (0..walks).step_by(LANES).zip(&hits) {
+            if *active != 0 {
+                let lanes = self.wave.walks.lanes(at);
+                self.vertices::<W>(lanes, at, *active, hits);
+            }
         }
         self.wave.hits = hits;
         self.connect::<W>();
@@ -230,6 +232,9 @@ impl<O: PathObserver> Step<'_, O> {
     #[inline(always)]
     fn trace<W: Wide>(&mut self) {
         let Wave { walks, paths, hits, clip, .. } = &mut *self.wave;
+        let counts = &mut self.counts.rays;
+        // Only light that it runs into makes a difference to a walk that ends.
+        let last = self.depth >= self.tracer.max_depth();
         hits.clear();
         let mut rays = RayPacket::default();
         for at in (0..walks.len()).step_by(LANES) {
@@ -241,7 +246,12 @@ impl<O: PathObserver> Step<'_, O> {
                     (rays.tnear.0[lane], rays.tfar.0[lane]) = (clip[0][path], clip[1][path]);
                 }
             }
-            hits.push(self.scene.accel().closest_packet(&rays, active));
+            hits.push(if last {
+                self.scene.light_packet(&rays, active, counts)
+            } else {
+                counts.closest += u64::from(active.count_ones());
+                (self.scene.accel().closest_packet(&rays, active), active)
+            });
         }
     }
 
@@ -286,6 +296,7 @@ impl<O: PathObserver> Step<'_, O> {
     fn connect<W: Wide>(&mut self) {
         let Self { scene, wave, counts, .. } = self;
         let count = wave.connections.len();
+        wave.connections.sort();
         let mut rays = RayPacket::default();
         for at in (0..count).step_by(LANES) {
             wave.connections.rays::<W::F32>(at, &wave.paths, &mut rays);

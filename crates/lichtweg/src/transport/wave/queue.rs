@@ -93,6 +93,56 @@ pub fn bucket<F: Float>(d: Vector<F>) -> F::Bits {
     axis + sign(d.x, 1) + sign(d.y, 2) + sign(d.z, 4)
 }
 
+/// Things in a queue, by direction.
+#[derive(Debug)]
+struct Order {
+    bucket: Box<[u8]>,
+    /// How many are in each bucket.
+    counts: [u16; BUCKETS],
+    order: Box<[u16]>,
+}
+
+impl Order {
+    fn new() -> Self {
+        Self { bucket: table(), counts: [0; BUCKETS], order: table() }
+    }
+
+    fn clear(&mut self) {
+        self.counts = [0; BUCKETS];
+    }
+
+    #[inline(always)]
+    fn set(&mut self, number: usize, bucket: u8) {
+        self.bucket[number] = bucket;
+        self.counts[usize::from(bucket)] += 1;
+    }
+
+    /// As they came.
+    fn keep(&mut self, len: usize) {
+        (0..len).for_each(|i| self.order[i] = i as u16);
+    }
+
+    /// By direction.
+    fn sort(&mut self, len: usize) {
+        let mut start = [0; BUCKETS];
+        let mut next = 0;
+        for (start, count) in start.iter_mut().zip(self.counts) {
+            *start = next;
+            next += count;
+        }
+        for (i, &bucket) in self.bucket[..len].iter().enumerate() {
+            let to = &mut start[usize::from(bucket)];
+            self.order[usize::from(*to)] = i as u16;
+            *to += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, at: usize) -> usize {
+        usize::from(self.order[at])
+    }
+}
+
 /// Walks on their way to their next vertices.
 ///
 /// A row: origin, direction, throughput, position and density of the departure, path, next dimension.
@@ -100,10 +150,7 @@ pub fn bucket<F: Float>(d: Vector<F>) -> F::Bits {
 pub(super) struct WalkQueue {
     len: usize,
     rows: Box<[Row]>,
-    bucket: Box<[u8]>,
-    /// Walks in each bucket.
-    counts: [u16; BUCKETS],
-    order: Box<[u16]>,
+    order: Order,
 }
 
 /// A walk as its row has it; or as many as `F` has lanes.
@@ -158,13 +205,7 @@ impl<F: FloatLanes> WalkLanes<F> {
 
 impl WalkQueue {
     pub fn new() -> Self {
-        Self {
-            len: 0,
-            rows: vec![Row::splat(0.0); CAPACITY].into_boxed_slice(),
-            bucket: table(),
-            counts: [0; BUCKETS],
-            order: table(),
-        }
+        Self { len: 0, rows: vec![Row::splat(0.0); CAPACITY].into_boxed_slice(), order: Order::new() }
     }
 
     #[inline(always)]
@@ -174,14 +215,13 @@ impl WalkQueue {
 
     pub fn clear(&mut self) {
         self.len = 0;
-        self.counts = [0; BUCKETS];
+        self.order.clear();
     }
 
     #[inline(always)]
     fn push_row(&mut self, row: &Row, bucket: u8) {
         self.rows[self.len] = *row;
-        self.bucket[self.len] = bucket;
-        self.counts[usize::from(bucket)] += 1;
+        self.order.set(self.len, bucket);
         self.len += 1;
     }
 
@@ -212,27 +252,17 @@ impl WalkQueue {
 
     /// Takes the walks as they came.
     pub fn keep_order(&mut self) {
-        (0..self.len).for_each(|i| self.order[i] = i as u16);
+        self.order.keep(self.len);
     }
 
     /// Takes the walks by direction.
     pub fn sort(&mut self) {
-        let mut start = [0; BUCKETS];
-        let mut next = 0;
-        for (start, count) in start.iter_mut().zip(self.counts) {
-            *start = next;
-            next += count;
-        }
-        for (i, &bucket) in self.bucket[..self.len].iter().enumerate() {
-            let to = &mut start[usize::from(bucket)];
-            self.order[usize::from(*to)] = i as u16;
-            *to += 1;
-        }
+        self.order.sort(self.len);
     }
 
     #[inline(always)]
     fn row(&self, at: usize) -> &Row {
-        &self.rows[usize::from(self.order[at])]
+        &self.rows[self.order.get(at)]
     }
 
     /// A walk, and which path it is of.
@@ -281,6 +311,7 @@ impl WalkQueue {
 pub(super) struct ConnectionQueue {
     len: usize,
     rows: Box<[Row]>,
+    order: Order,
 }
 
 /// A connection as its row has it; or as many as `F` has lanes.
@@ -316,7 +347,7 @@ impl<F: Float> ConnectionLanes<F> {
 
 impl ConnectionQueue {
     pub fn new() -> Self {
-        Self { len: 0, rows: vec![Row::splat(0.0); CAPACITY].into_boxed_slice() }
+        Self { len: 0, rows: vec![Row::splat(0.0); CAPACITY].into_boxed_slice(), order: Order::new() }
     }
 
     #[inline(always)]
@@ -326,33 +357,45 @@ impl ConnectionQueue {
 
     pub fn clear(&mut self) {
         self.len = 0;
+        self.order.clear();
+    }
+
+    #[inline(always)]
+    fn push_row(&mut self, row: &Row, bucket: u8) {
+        self.rows[self.len] = *row;
+        self.order.set(self.len, bucket);
+        self.len += 1;
     }
 
     #[inline]
     pub fn push(&mut self, connection: &Connection, path: u32) {
         let Connection { ray, contribution } = *connection;
         let (origin, direction, tfar) = (ray.origin, ray.direction, ray.tfar);
-        self.rows[self.len] =
-            Lanes(ConnectionLanes { origin, direction, tfar, contribution, path }.columns());
-        self.len += 1;
+        let lanes = ConnectionLanes { origin, direction, tfar, contribution, path };
+        self.push_row(&Lanes(lanes.columns()), bucket(direction) as u8);
     }
 
     /// Appends the lanes whose mask is true.
     #[inline(always)]
-    pub fn append<F: FloatLanes>(&mut self, connections: &ConnectionLanes<F>, mask: F::Mask) {
-        let rows = F::rows(connections.columns());
+    pub fn append<W: Wide>(&mut self, connections: &ConnectionLanes<W::F32>, mask: W::Mask) {
+        let rows = W::F32::rows(connections.columns());
+        let buckets = bucket(connections.direction).to_lanes();
         for lane in lanes_of(mask.bits()) {
-            self.rows[self.len] = rows[lane];
-            self.len += 1;
+            self.push_row(&rows[lane], buckets.0[lane] as u8);
         }
+    }
+
+    /// Takes the connections by direction.
+    pub fn sort(&mut self) {
+        self.order.sort(self.len);
     }
 
     /// The rays of sixteen connections from one on.
     #[inline(always)]
     pub fn rays<F: FloatLanes>(&self, at: usize, paths: &Paths, rays: &mut RayPacket) {
         let mut rows = [&self.rows[0]; LANES];
-        for (row, here) in rows.iter_mut().zip(&self.rows[at..self.len]) {
-            *row = here;
+        for (lane, row) in rows.iter_mut().enumerate().take(self.len - at) {
+            *row = &self.rows[self.order.get(at + lane)];
         }
         let lanes = ConnectionLanes::new(&F::columns(&rows));
         rays.origin = lanes_of_vector(lanes.origin);
@@ -367,7 +410,7 @@ impl ConnectionQueue {
     /// What a connection contributes, and the path it is of.
     #[inline(always)]
     pub fn contribution(&self, at: usize) -> (Spectrum, usize) {
-        let lanes = ConnectionLanes::new(&self.rows[at].0);
+        let lanes = ConnectionLanes::new(&self.rows[self.order.get(at)].0);
         (lanes.contribution, lanes.path as usize)
     }
 }

@@ -85,7 +85,7 @@ impl<O: PathObserver> Step<'_, O> {
                 path: walks.path,
             };
             let mask = lanes & light.valid & scattering.is_lit();
-            self.wave.connections.append(&connection, mask);
+            self.wave.connections.append::<W>(&connection, mask);
         }
         // No model of a single lobe asks which.
         draws.skip(1);
