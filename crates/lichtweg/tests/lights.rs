@@ -174,7 +174,8 @@ impl Case {
             None => self
                 .scene
                 .environments()
-                .map(|(_, e)| (e.radiance(direction).0[0], e.pdf(direction)))
+                .map(|(_, e)| e.seen(direction))
+                .map(|seen| (seen.radiance.0[0], seen.pdf()))
                 .next()
                 .unwrap_or((0.0, 0.0)),
             Some(point) => {

@@ -1,9 +1,9 @@
-//! Exponential and logarithm in single precision, and polynomials.
+//! Exponential, logarithm and arc tangent in single precision, and polynomials.
 //!
-//! Both reduce their argument to a short interval and take a polynomial there, with the coefficients of the Cephes library
-//! (Moshier 1989, `expf` and `logf`): relative error below 2e-7 (the logarithm's relative to one near 1).
+//! All reduce their argument to a short interval and take a polynomial there, with the coefficients of the Cephes library
+//! (Moshier 1989, `expf`, `logf` and `atanf`): relative error below 2e-7 (the logarithm's relative to one near 1).
 
-use std::f32::consts::{LOG2_E, SQRT_2};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, SQRT_2};
 
 use lichtweg_ray::wide::{Float, Word};
 
@@ -60,6 +60,26 @@ pub(crate) fn ln<F: Float>(x: F) -> F {
     r + tail + e * splat(LN_2[0])
 }
 
+/// The angle of (x, y) from the x axis, in [-pi, pi]; 0 or pi, with y's sign, where y is zero. See [`f32::atan2`].
+#[inline(always)]
+pub(crate) fn atan2<F: Float>(y: F, x: F) -> F {
+    let splat = F::splat;
+    let (across, along) = (y.abs(), x.abs());
+    let steep = along.lt(across);
+    let (low, high) = (along.min(across), along.max(across));
+    // Beyond an eighth of pi it is counted from a quarter.
+    let wide = (high * splat(SQRT_2 - 1.0)).lt(low);
+    let t = (low - high).select(wide, low) / (low + high).select(wide, high).max(splat(f32::MIN_POSITIVE));
+    let z = t * t;
+    let tail = splat(-3.333_295e-1)
+        + z * (splat(1.997_771e-1) + z * (splat(-1.387_768_6e-1) + z * splat(8.053_745e-2)));
+    let angle = t + t * z * tail;
+    let angle = (angle + splat(FRAC_PI_4)).select(wide, angle);
+    let angle = (splat(FRAC_PI_2) - angle).select(steep, angle);
+    let angle = (splat(PI) - angle).select(x.lt(splat(0.0)), angle);
+    angle.copysign(y)
+}
+
 /// Sum of c_i t^i by Estrin's scheme: Horner's would be one long chain of dependent operations.
 #[inline(always)]
 pub(crate) fn polynomial<F: Float>(c: &[F; 9], t: F) -> F {
@@ -84,6 +104,24 @@ mod tests {
         assert!(worst(exp, f64::exp, &|u| 175.0 * u - 87.2, 0.0) < 2e-7);
         assert!(worst(ln, f64::ln, &|u| f32::exp(174.0 * u - 87.0), 1.0) < 2e-7);
         assert!(worst(ln, f64::ln, &|u| 0.5 + 1.5 * u, 1.0) < 1e-7);
+    }
+
+    #[test]
+    fn arc_tangents_are_right_all_around() {
+        for i in 0..200_000 {
+            let (y, x) = (f64::from(i) * (std::f64::consts::TAU / 200_000.0)).sin_cos();
+            let (y, x) = (1e3 * y as f32, 1e3 * x as f32);
+            let exact = f64::from(y).atan2(f64::from(x));
+            assert!((f64::from(atan2(y, x)) - exact).abs() < 2e-7 * exact.abs(), "{y} {x}");
+        }
+        let axes = [
+            (0.0, 1.0, 0.0),
+            (1.0, 0.0, FRAC_PI_2),
+            (0.0, -1.0, PI),
+            (-1.0, 0.0, -FRAC_PI_2),
+            (0.0, 0.0, 0.0),
+        ];
+        assert!(axes.iter().all(|&(y, x, angle)| atan2(y, x) == angle));
     }
 
     #[test]

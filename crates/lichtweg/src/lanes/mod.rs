@@ -2,12 +2,13 @@
 //! operation by operation the same.
 
 mod elementary;
+pub(crate) mod owen;
 pub(crate) mod warp;
 
 use lichtweg_ray::math::{Vec3, Vector};
 use lichtweg_ray::wide::{FloatLanes, Lanes};
 
-pub(crate) use elementary::{exp, ln, polynomial};
+pub(crate) use elementary::{atan2, exp, ln, polynomial};
 
 /// The largest number below 1.
 pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;

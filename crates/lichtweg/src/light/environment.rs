@@ -7,6 +7,7 @@ use lichtweg_ray::math::{Affine, Vec3};
 
 use super::LightSample;
 use crate::color::{Spectrum, luminance};
+use crate::lanes::{atan2, warp::sin_cos_turn};
 use crate::scene::description::{EnvironmentMapping, Image};
 
 /// The surroundings.
@@ -19,32 +20,30 @@ pub enum Environment {
 }
 
 impl Environment {
-    /// Radiance that arrives from a direction.
+    /// What is there in a direction.
     #[inline]
-    pub fn radiance(&self, direction: Vec3) -> Spectrum {
+    pub fn seen(&self, direction: Vec3) -> Seen<'_> {
         match self {
-            Self::Constant(e) => e.radiance,
-            Self::Map(e) => e.radiance(direction),
-        }
-    }
-
-    /// Density per solid angle with which [`Environment::sample`] chooses a direction.
-    #[inline]
-    pub fn pdf(&self, direction: Vec3) -> f32 {
-        match self {
-            Self::Constant(_) => warp::UNIFORM_SPHERE_PDF,
-            Self::Map(e) => e.pdf(direction),
+            Self::Constant(e) => Seen { environment: self, at: [0.0; 2], radiance: e.radiance },
+            Self::Map(e) => {
+                let at = e.square(direction);
+                Seen { environment: self, at, radiance: e.radiance(at) }
+            }
         }
     }
 
     /// See [`Light::sample`](super::Light::sample).
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
-        let (direction, pdf) = match self {
-            Self::Constant(_) => (Vec3::from_array(warp::uniform_sphere(u)), warp::UNIFORM_SPHERE_PDF),
-            Self::Map(e) => e.sample(u)?,
+        let (direction, radiance, pdf) = match self {
+            Self::Constant(e) => {
+                (Vec3::from_array(warp::uniform_sphere(u)), e.radiance, warp::UNIFORM_SPHERE_PDF)
+            }
+            Self::Map(e) => {
+                let (at, direction, pdf) = e.sample(u)?;
+                (direction, e.radiance(at), pdf)
+            }
         };
-        let radiance = self.radiance(direction);
         (!radiance.is_zero()).then_some(LightSample { direction, target: None, radiance, pdf, delta: false })
     }
 
@@ -53,6 +52,27 @@ impl Environment {
         match self {
             Self::Constant(e) => e.radiance,
             Self::Map(e) => e.mean,
+        }
+    }
+}
+
+/// The surroundings in some direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    environment: &'a Environment,
+    /// Where on the square of a map.
+    at: [f32; 2],
+    /// Radiance that arrives from there.
+    pub radiance: Spectrum,
+}
+
+impl Seen<'_> {
+    /// Density per solid angle with which [`Environment::sample`] chooses the direction.
+    #[inline]
+    pub fn pdf(&self) -> f32 {
+        match self.environment {
+            Environment::Constant(_) => warp::UNIFORM_SPHERE_PDF,
+            Environment::Map(e) => e.pdf(self.at),
         }
     }
 }
@@ -102,52 +122,52 @@ impl MapEnvironment {
         Some(Self { width, height, texels, mapping, to_world: axes, distribution, mean })
     }
 
-    /// Radiance that arrives from a direction.
-    pub fn radiance(&self, direction: Vec3) -> Spectrum {
+    /// Where a direction is on the square.
+    fn square(&self, direction: Vec3) -> [f32; 2] {
         let local = self.to_local(direction);
+        match self.mapping {
+            EnvironmentMapping::LatitudeLongitude => latitude_longitude(local),
+            EnvironmentMapping::EqualAreaOctahedral => octahedral_square(local),
+        }
+    }
+
+    /// Radiance that arrives from a place on the square.
+    fn radiance(&self, [x, y]: [f32; 2]) -> Spectrum {
+        let (x, y) = (x * self.width as f32, y * self.height as f32);
         Spectrum::rgb(match self.mapping {
-            EnvironmentMapping::LatitudeLongitude => {
-                let [u, v] = latitude_longitude(local);
-                self.bilinear(u * self.width as f32 - 0.5, v * self.height as f32 - 0.5)
-            }
+            EnvironmentMapping::LatitudeLongitude => self.bilinear(x - 0.5, y - 0.5),
             EnvironmentMapping::EqualAreaOctahedral => {
-                let [x, y] = octahedral_square(local);
-                let clamp = |c: f32, n: usize| ((c * n as f32) as usize).min(n - 1);
-                self.texels[clamp(y, self.height) * self.width + clamp(x, self.width)]
+                let (x, y) = ((x as usize).min(self.width - 1), (y as usize).min(self.height - 1));
+                self.texels[y * self.width + x]
             }
         })
     }
 
-    /// Density per solid angle with which [`MapEnvironment::sample`] chooses a direction.
-    pub fn pdf(&self, direction: Vec3) -> f32 {
-        let local = self.to_local(direction);
+    /// Density per solid angle with which [`MapEnvironment::sample`] chooses a place on the square.
+    fn pdf(&self, at: [f32; 2]) -> f32 {
+        let pdf = self.distribution.pdf(at);
         match self.mapping {
-            EnvironmentMapping::LatitudeLongitude => {
-                let sin_theta = (1.0 - local.y * local.y).max(0.0).sqrt();
-                latitude_longitude_pdf(self.distribution.pdf(latitude_longitude(local)), sin_theta)
-            }
-            EnvironmentMapping::EqualAreaOctahedral => {
-                self.distribution.pdf(octahedral_square(local)) * warp::UNIFORM_SPHERE_PDF
-            }
+            EnvironmentMapping::LatitudeLongitude => latitude_longitude_pdf(pdf, sin_cos_turn(0.5 * at[1]).0),
+            EnvironmentMapping::EqualAreaOctahedral => pdf * warp::UNIFORM_SPHERE_PDF,
         }
     }
 
-    /// A direction and its density per solid angle.
-    pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
-        let ([x, y], pdf) = self.distribution.sample(u);
+    /// A place on the square, its direction and density per solid angle.
+    fn sample(&self, u: [f32; 2]) -> Option<([f32; 2], Vec3, f32)> {
+        let (at, pdf) = self.distribution.sample(u);
         let (local, pdf) = match self.mapping {
             EnvironmentMapping::LatitudeLongitude => {
-                let (sin_theta, cos_theta) = (y * PI).sin_cos();
-                let (sin_phi, cos_phi) = (x * TAU).sin_cos();
+                let (sin_theta, cos_theta) = sin_cos_turn(0.5 * at[1]);
+                let (sin_phi, cos_phi) = sin_cos_turn(at[0]);
                 let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
                 (local, latitude_longitude_pdf(pdf, sin_theta))
             }
             EnvironmentMapping::EqualAreaOctahedral => {
-                (octahedral_direction([x, y]), pdf * warp::UNIFORM_SPHERE_PDF)
+                (octahedral_direction(at), pdf * warp::UNIFORM_SPHERE_PDF)
             }
         };
         let [x, y, z] = self.to_world;
-        (pdf > 0.0).then(|| (x * local.x + y * local.y + z * local.z, pdf))
+        (pdf > 0.0).then(|| (at, x * local.x + y * local.y + z * local.z, pdf))
     }
 
     fn to_local(&self, direction: Vec3) -> Vec3 {
@@ -155,22 +175,24 @@ impl MapEnvironment {
         Vec3::new(direction.dot(x), direction.dot(y), direction.dot(z))
     }
 
-    /// Between texel centres; round the horizon, and clamped at the poles.
+    /// Between texel centres, at coordinates of -1/2 or more; round the horizon, and clamped at the poles.
     fn bilinear(&self, x: f32, y: f32) -> [f32; 3] {
-        let (x0, y0) = (x.floor(), y.floor());
-        let (s, t) = (x - x0, y - y0);
-        let column = |x: f32| (x as i64).rem_euclid(self.width as i64) as usize;
-        let row = |y: f32| (y as i64).clamp(0, self.height as i64 - 1) as usize;
-        let at = |x: f32, y: f32| self.texels[row(y) * self.width + column(x)];
-        let (a, b, c, d) = (at(x0, y0), at(x0 + 1.0, y0), at(x0, y0 + 1.0), at(x0 + 1.0, y0 + 1.0));
+        // The columns and rows before and behind, counted from one.
+        let (x1, y1) = ((x + 1.0) as usize, (y + 1.0) as usize);
+        let (s, t) = (x + 1.0 - x1 as f32, y + 1.0 - y1 as f32);
+        let left = if x1 == 0 { self.width } else { x1.min(self.width) } - 1;
+        let right = if x1 < self.width { x1 } else { 0 };
+        let (above, below) = (y1.clamp(1, self.height) - 1, y1.min(self.height - 1));
+        let at = |x: usize, y: usize| self.texels[y * self.width + x];
+        let (a, b, c, d) = (at(left, above), at(right, above), at(left, below), at(right, below));
         std::array::from_fn(|i| (a[i] * (1.0 - s) + b[i] * s) * (1.0 - t) + (c[i] * (1.0 - s) + d[i] * s) * t)
     }
 }
 
 /// (u, v) in [0, 1)^2 of a unit direction: Mitsuba's convention.
 fn latitude_longitude(d: Vec3) -> [f32; 2] {
-    let u = d.x.atan2(-d.z) * (0.5 * FRAC_1_PI);
-    let v = d.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI;
+    let u = atan2(d.x, -d.z) * (0.5 * FRAC_1_PI);
+    let v = atan2((d.x * d.x + d.z * d.z).sqrt(), d.y) * FRAC_1_PI;
     [(u - u.floor()).min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)]
 }
 
@@ -226,7 +248,7 @@ fn octahedral_square(d: Vec3) -> [f32; 2] {
     let r = (1.0 - d.z.abs()).max(0.0).sqrt();
     // Angle within a quadrant, as a fraction of it.
     let (x, y) = (d.x.abs(), d.y.abs());
-    let fraction = if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) * (2.0 * FRAC_1_PI) };
+    let fraction = atan2(y, x) * (2.0 * FRAC_1_PI);
     let (mut u, mut v) = (r - fraction * r, fraction * r);
     if d.z < 0.0 {
         (u, v) = (1.0 - v, 1.0 - u);
@@ -241,10 +263,11 @@ fn octahedral_direction([x, y]: [f32; 2]) -> Vec3 {
     // Distance to the square's inner diagonal: positive on the upper half of the sphere.
     let signed = 1.0 - (au + av);
     let r = 1.0 - signed.abs();
-    let phi = if r == 0.0 { 1.0 } else { (av - au) / r + 1.0 } * std::f32::consts::FRAC_PI_4;
+    let turns = if r == 0.0 { 1.0 } else { (av - au) / r + 1.0 } * 0.125;
     let z = (1.0 - r * r).copysign(signed);
     let s = r * (2.0 - r * r).max(0.0).sqrt();
-    Vec3::new((phi.cos() * s).copysign(u), (phi.sin() * s).copysign(v), z)
+    let (sin, cos) = sin_cos_turn(turns);
+    Vec3::new((cos * s).copysign(u), (sin * s).copysign(v), z)
 }
 
 #[cfg(test)]

@@ -318,7 +318,7 @@ impl Scene {
     /// Radiance from around the scene.
     #[inline]
     pub fn environment_radiance(&self, direction: Vec3) -> Spectrum {
-        self.environments().fold(Spectrum::ZERO, |sum, (_, e)| sum + e.radiance(direction))
+        self.environments().fold(Spectrum::ZERO, |sum, (_, e)| sum + e.seen(direction).radiance)
     }
 }
 

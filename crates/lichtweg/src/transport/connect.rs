@@ -122,7 +122,8 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
     pub fn run_out_of_scene(&mut self, walk: u32, departure: &Departure, eye: Trail<'_, '_>, vertices: u32) {
         let direction = departure.ray.direction;
         for (light, environment) in self.scene.environments() {
-            let radiance = environment.radiance(direction);
+            let seen = environment.seen(direction);
+            let radiance = seen.radiance;
             if radiance.is_zero() {
                 continue;
             }
@@ -130,7 +131,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
             let weight = match vertices {
                 0 => self.direct_weight(),
                 _ => {
-                    let (pdf, once) = (environment.pdf(direction), self.settings.once());
+                    let (pdf, once) = (seen.pdf(), self.settings.once());
                     let lit = self.settings.lit();
                     let others = others_of_escape(self.scene, light, departure, pdf, heuristic, lit);
                     mis::share(heuristic, once, 0.0, others)

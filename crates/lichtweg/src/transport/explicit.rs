@@ -311,7 +311,7 @@ fn density(light: &Light, end: &LightEnd, scene: &Scene) -> EmissionDensity {
     match (light, &end.point) {
         (Light::Area(light), Some(point)) => light.emission_density(point, end.direction, scene),
         (Light::Environment(environment), _) => EmissionDensity {
-            start: environment.pdf(-end.direction),
+            start: environment.seen(-end.direction).pdf(),
             leaving: scene.surroundings().disk_pdf(),
         },
         (light, _) => light.delta_emission_density(scene),
@@ -345,6 +345,6 @@ fn emission(light: &Light, s: u32, end: &LightEnd, scene: &Scene) -> Spectrum {
         (Light::Point(light), _) => light.intensity,
         (Light::Spot(light), _) => light.intensity * light.falloff(end.direction.dot(light.axis)),
         (Light::Directional(light), _) => light.irradiance,
-        (Light::Environment(environment), _) => environment.radiance(-end.direction),
+        (Light::Environment(environment), _) => environment.seen(-end.direction).radiance,
     }
 }

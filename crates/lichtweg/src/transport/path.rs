@@ -257,10 +257,11 @@ impl PathTracer {
     #[inline]
     fn escaped(&self, scene: &Scene, direction: Vec3, departure: &Departure) -> Spectrum {
         scene.environments().fold(Spectrum::ZERO, |sum, (index, environment)| {
+            let seen = environment.seen(direction);
             let weight = self.hit_weight(departure, || {
-                scene.selection().probability(&departure.receiver(), index, 0) * environment.pdf(direction)
+                scene.selection().probability(&departure.receiver(), index, 0) * seen.pdf()
             });
-            sum + environment.radiance(direction) * weight
+            sum + seen.radiance * weight
         })
     }
 

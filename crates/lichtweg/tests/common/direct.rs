@@ -154,7 +154,7 @@ fn by_bsdf(
             light.radiance(&hit, -sample.wi, scene.textures()) * weight(index, hit.primitive, pdf)
         }),
         None => scene.environments().fold(Spectrum::ZERO, |sum, (index, e)| {
-            sum + e.radiance(sample.wi) * weight(index, 0, e.pdf(sample.wi))
+            sum + e.seen(sample.wi).radiance * weight(index, 0, e.seen(sample.wi).pdf())
         }),
     };
     sample.weight * incident

@@ -1,8 +1,10 @@
-//! The sample values of sixteen walks: [`Sampler`], lane by lane the same values.
+//! The sample values of sixteen walks: [`Sampler`](lichtweg_montecarlo::Sampler), lane by lane the same values.
 
+use lichtweg_montecarlo::SamplerKind;
 use lichtweg_montecarlo::hash::{self, GOLDEN_GAMMA};
-use lichtweg_montecarlo::{Sampler, SamplerKind, SamplerState};
-use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Long, Wide, Word, WordLanes};
+use lichtweg_ray::wide::{Float, Long, Wide, Word, WordLanes};
+
+use crate::lanes::owen;
 
 /// Sixteen samplers.
 #[derive(Clone, Copy)]
@@ -15,7 +17,7 @@ pub(crate) struct Draws<W: Wide> {
 }
 
 impl<W: Wide> Draws<W> {
-    /// See [`Sampler::new`].
+    /// See [`Sampler::new`](lichtweg_montecarlo::Sampler::new).
     #[inline(always)]
     pub fn new(kind: SamplerKind, seed: u64, stream: W::U32, sample: W::U32) -> Self {
         let number = W::U32::splat;
@@ -30,25 +32,31 @@ impl<W: Wide> Draws<W> {
 
     #[inline(always)]
     pub fn next_1d(&mut self) -> W::F32 {
-        let u = match self.kind {
-            SamplerKind::Independent => unit::<W>(self.bits().high()),
-            _ => self.one_by_one(|sampler| [sampler.next_1d(), 0.0])[0],
-        };
-        self.dimension = self.dimension + W::U32::splat(1);
-        u
+        let bits = self.bits();
+        self.skip(1);
+        unit::<W>(match self.kind {
+            SamplerKind::Independent => bits.high(),
+            SamplerKind::Sobol => {
+                owen::van_der_corput(owen::shuffle_index(self.index, bits.low()), bits.high())
+            }
+        })
     }
 
     #[inline(always)]
     pub fn next_2d(&mut self) -> [W::F32; 2] {
-        let u = match self.kind {
-            SamplerKind::Independent => {
-                let bits = self.bits();
-                [unit::<W>(bits.high()), unit::<W>(bits.low())]
+        let bits = self.bits();
+        self.skip(2);
+        match self.kind {
+            SamplerKind::Independent => [unit::<W>(bits.high()), unit::<W>(bits.low())],
+            SamplerKind::Sobol => {
+                let index = owen::shuffle_index(self.index, bits.low());
+                let seeds = mix::<W>(bits ^ W::U64::splat(GOLDEN_GAMMA));
+                [
+                    unit::<W>(owen::van_der_corput(index, seeds.high())),
+                    unit::<W>(owen::sobol_second(index, seeds.low())),
+                ]
             }
-            _ => self.one_by_one(Sampler::next_2d),
-        };
-        self.dimension = self.dimension + W::U32::splat(2);
-        u
+        }
     }
 
     /// Leaves out some dimensions.
@@ -62,27 +70,19 @@ impl<W: Wide> Draws<W> {
     fn bits(&self) -> W::U64 {
         combine::<W>(self.key[1].widen().shl::<32>() | self.key[0].widen(), self.dimension)
     }
-
-    #[inline(always)]
-    fn one_by_one(&self, draw: impl Fn(&mut Sampler) -> [f32; 2]) -> [W::F32; 2] {
-        let [low, high] = [self.key[0].to_lanes(), self.key[1].to_lanes()];
-        let (index, dimension) = (self.index.to_lanes(), self.dimension.to_lanes());
-        let mut out = [Lanes::splat(0.0); 2];
-        for lane in 0..LANES {
-            let key = u64::from(high.0[lane]) << 32 | u64::from(low.0[lane]);
-            let state = SamplerState { key, index: index.0[lane], dimension: dimension.0[lane] };
-            let u = draw(&mut Sampler::from_state(self.kind, state));
-            (out[0].0[lane], out[1].0[lane]) = (u[0], u[1]);
-        }
-        [W::F32::load(&out[0]), W::F32::load(&out[1])]
-    }
 }
 
 /// See [`hash::combine`].
 #[inline(always)]
 fn combine<W: Wide>(key: W::U64, counter: W::U32) -> W::U64 {
     let splat = W::U64::splat;
-    let z = key.wrapping_add(counter.widen().wrapping_mul(splat(GOLDEN_GAMMA)));
+    mix::<W>(key.wrapping_add(counter.widen().wrapping_mul(splat(GOLDEN_GAMMA))))
+}
+
+/// See [`hash::mix64`].
+#[inline(always)]
+fn mix<W: Wide>(z: W::U64) -> W::U64 {
+    let splat = W::U64::splat;
     let z = (z ^ z.shr::<30>()).wrapping_mul(splat(0xbf58_476d_1ce4_e5b9));
     let z = (z ^ z.shr::<27>()).wrapping_mul(splat(0x94d0_49bb_1331_11eb));
     z ^ z.shr::<31>()
@@ -92,4 +92,52 @@ fn combine<W: Wide>(key: W::U64, counter: W::U32) -> W::U64 {
 #[inline(always)]
 fn unit<W: Wide>(bits: W::U32) -> W::F32 {
     bits.shr::<8>().to_float() * W::F32::splat(1.0 / 16_777_216.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use lichtweg_montecarlo::Sampler;
+    use lichtweg_ray::wide::{FloatLanes, Kernel, LANES, Lanes, dispatch};
+
+    use super::*;
+
+    /// The first values of samples from one on, draw by draw.
+    struct First(SamplerKind, u32);
+
+    impl Kernel for First {
+        type Output = [Lanes<f32>; 6];
+
+        #[inline(always)]
+        fn run<W: Wide>(self) -> Self::Output {
+            let Self(kind, first) = self;
+            let samples = std::array::from_fn(|i| first + i as u32);
+            let mut draws = Draws::<W>::new(kind, 5, W::U32::splat(77), W::U32::load(&Lanes(samples)));
+            let ([a, b], c) = (draws.next_2d(), draws.next_1d());
+            draws.skip(3);
+            let ([d, e], f) = (draws.next_2d(), draws.next_1d());
+            [a.to_lanes(), b.to_lanes(), c.to_lanes(), d.to_lanes(), e.to_lanes(), f.to_lanes()]
+        }
+    }
+
+    #[test]
+    fn lanes_draw_what_samplers_draw() {
+        for (kind, first) in [SamplerKind::Independent, SamplerKind::Sobol]
+            .into_iter()
+            .flat_map(|kind| [0, 16, 1000, u32::MAX - 16].map(|first| (kind, first)))
+        {
+            let lanes = dispatch(First(kind, first));
+            for lane in 0..LANES {
+                let mut one = Sampler::new(kind, 5, 77, first + lane as u32);
+                let ([a, b], c) = (one.next_2d(), one.next_1d());
+                let mut one = one.at_dimension(6);
+                let ([d, e], f) = (one.next_2d(), one.next_1d());
+                assert_eq!(
+                    lanes.map(|l| l.0[lane]),
+                    [a, b, c, d, e, f],
+                    "{kind:?}, sample {}",
+                    first + lane as u32
+                );
+            }
+        }
+    }
 }
