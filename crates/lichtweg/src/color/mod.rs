@@ -4,10 +4,12 @@ mod blackbody;
 mod cie;
 mod conductor;
 mod convert;
+mod lanes;
 mod spectrum;
 
 pub use blackbody::blackbody_luminance;
 pub use cie::luminance;
 pub use conductor::{conductor, conductor_names};
 pub use convert::{Role, rgb_spectrum};
+pub(crate) use lanes::SpectrumLanes;
 pub use spectrum::{Spectra, Spectrum};

@@ -6,10 +6,10 @@ use lichtweg_ray::wide::Word;
 #[inline(always)]
 fn scramble_reversed<U: Word>(x: U, seed: U) -> U {
     let number = U::splat;
-    let x = x ^ x * number(0x3d20_adea);
+    let x = x ^ (x * number(0x3d20_adea));
     let x = (x + seed) * (seed.shr::<16>() | number(1));
-    let x = x ^ x * number(0x0552_6c56);
-    x ^ x * number(0x53a2_2864)
+    let x = x ^ (x * number(0x0552_6c56));
+    x ^ (x * number(0x53a2_2864))
 }
 
 /// See [`u32::reverse_bits`].

@@ -3,11 +3,12 @@
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use lichtweg_montecarlo::{distribution::PiecewiseConstant2D, warp};
-use lichtweg_ray::math::{Affine, Vec3};
+use lichtweg_ray::math::{Affine, Vec3, Vector};
+use lichtweg_ray::wide::{Float, FloatLanes, Lanes, Wide};
 
 use super::LightSample;
-use crate::color::{Spectrum, luminance};
-use crate::lanes::{atan2, warp::sin_cos_turn};
+use crate::color::{Spectra, Spectrum, SpectrumLanes, luminance};
+use crate::lanes::{atan2, lanes_of, warp::sin_cos_turn};
 use crate::scene::description::{EnvironmentMapping, Image};
 
 /// The surroundings.
@@ -30,6 +31,36 @@ impl Environment {
                 Seen { environment: self, at, radiance: e.radiance(at) }
             }
         }
+    }
+
+    /// What is there in some of sixteen directions: radiance, and [`Seen::pdf`] where it is asked for.
+    #[inline(always)]
+    pub(crate) fn seen_lanes<W: Wide>(
+        &self,
+        direction: Vector<W::F32>,
+        lanes: u32,
+        with_pdf: u32,
+    ) -> (Spectra<W::F32>, W::F32) {
+        let splat = W::F32::splat;
+        let map = match self {
+            Self::Constant(e) => {
+                let [r, g, b, c] = e.radiance.0;
+                return (Spectra([splat(r), splat(g), splat(b), splat(c)]), splat(warp::UNIFORM_SPHERE_PDF));
+            }
+            Self::Map(map) => map,
+        };
+        let [x, y] = map.square(direction);
+        let (x, y) = (x.to_lanes(), y.to_lanes());
+        let mut radiance = SpectrumLanes::new(Spectra([splat(0.0); 4]));
+        let mut pdf = Lanes::splat(1.0);
+        for lane in lanes_of(lanes) {
+            let at = [x.0[lane], y.0[lane]];
+            radiance.set(lane, map.radiance(at));
+            if with_pdf >> lane & 1 != 0 {
+                pdf.0[lane] = map.pdf(at);
+            }
+        }
+        (radiance.load(), W::F32::load(&pdf))
     }
 
     /// See [`Light::sample`](super::Light::sample).
@@ -123,7 +154,8 @@ impl MapEnvironment {
     }
 
     /// Where a direction is on the square.
-    fn square(&self, direction: Vec3) -> [f32; 2] {
+    #[inline(always)]
+    fn square<F: Float>(&self, direction: Vector<F>) -> [F; 2] {
         let local = self.to_local(direction);
         match self.mapping {
             EnvironmentMapping::LatitudeLongitude => latitude_longitude(local),
@@ -170,9 +202,12 @@ impl MapEnvironment {
         (pdf > 0.0).then(|| (at, x * local.x + y * local.y + z * local.z, pdf))
     }
 
-    fn to_local(&self, direction: Vec3) -> Vec3 {
+    #[inline(always)]
+    fn to_local<F: Float>(&self, direction: Vector<F>) -> Vector<F> {
         let [x, y, z] = self.to_world;
-        Vec3::new(direction.dot(x), direction.dot(y), direction.dot(z))
+        let splat = F::splat;
+        let wide = |v: Vec3| Vector::new(splat(v.x), splat(v.y), splat(v.z));
+        Vector::new(direction.dot(wide(x)), direction.dot(wide(y)), direction.dot(wide(z)))
     }
 
     /// Between texel centres, at coordinates of -1/2 or more; round the horizon, and clamped at the poles.
@@ -190,10 +225,13 @@ impl MapEnvironment {
 }
 
 /// (u, v) in [0, 1)^2 of a unit direction: Mitsuba's convention.
-fn latitude_longitude(d: Vec3) -> [f32; 2] {
-    let u = atan2(d.x, -d.z) * (0.5 * FRAC_1_PI);
-    let v = atan2((d.x * d.x + d.z * d.z).sqrt(), d.y) * FRAC_1_PI;
-    [(u - u.floor()).min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)]
+#[inline(always)]
+fn latitude_longitude<F: Float>(d: Vector<F>) -> [F; 2] {
+    let splat = F::splat;
+    let u = atan2(d.x, -d.z) * splat(0.5 * FRAC_1_PI);
+    let v = atan2((d.x * d.x + d.z * d.z).sqrt(), d.y) * splat(FRAC_1_PI);
+    let below_one = splat(1.0 - f32::EPSILON);
+    [(u + splat(1.0)).select(u.lt(splat(0.0)), u).min(below_one), v.min(below_one)]
 }
 
 /// Per solid angle: the unit square is stretched over 2 pi by pi, and shrunk by the sine towards the poles.
@@ -244,16 +282,16 @@ fn max(rgb: [f32; 3]) -> f32 {
 
 /// The equal-area octahedral map of a unit direction to [0, 1]^2 (Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere
 /// using SIMD").
-fn octahedral_square(d: Vec3) -> [f32; 2] {
-    let r = (1.0 - d.z.abs()).max(0.0).sqrt();
+#[inline(always)]
+fn octahedral_square<F: Float>(d: Vector<F>) -> [F; 2] {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let r = (one - d.z.abs()).max(zero).sqrt();
     // Angle within a quadrant, as a fraction of it.
-    let (x, y) = (d.x.abs(), d.y.abs());
-    let fraction = atan2(y, x) * (2.0 * FRAC_1_PI);
-    let (mut u, mut v) = (r - fraction * r, fraction * r);
-    if d.z < 0.0 {
-        (u, v) = (1.0 - v, 1.0 - u);
-    }
-    [0.5 * (u.copysign(d.x) + 1.0), 0.5 * (v.copysign(d.y) + 1.0)]
+    let fraction = atan2(d.y.abs(), d.x.abs()) * F::splat(2.0 * FRAC_1_PI);
+    let (u, v) = (r - fraction * r, fraction * r);
+    let below = d.z.lt(zero);
+    let (u, v) = ((one - v).select(below, u), (one - u).select(below, v));
+    [half * (u.copysign(d.x) + one), half * (v.copysign(d.y) + one)]
 }
 
 /// The inverse of [`octahedral_square`].

@@ -176,7 +176,13 @@ impl LightSelection {
         }
     }
 
-    /// The same for some of sixteen receivers and the lights there; of no meaning for others.
+    /// [`LightChoice::probability`] of a light that is around the scene, for every receiver.
+    #[inline]
+    pub fn probability_around(&self, light: u32) -> f32 {
+        self.of_light[light as usize]
+    }
+
+    /// [`LightSelection::probability`] for some of sixteen receivers and the lights there; of no meaning for others.
     #[inline(always)]
     pub fn probability_lanes<W: Wide>(
         &self,

@@ -1,6 +1,6 @@
 //! The surfaces that emit, by themselves: for rays that matter only where they run into light.
 
-use lichtweg_ray::{Accel, BuildError, BuildOptions, BuildReport, HitPacket, RayPacket};
+use lichtweg_ray::{Accel, BuildError, BuildOptions, BuildReport, Hit, HitPacket, Ray, RayPacket};
 
 use super::{RayCounts, Scene, Shape};
 
@@ -47,5 +47,13 @@ impl Scene {
         }
         counts.closest += u64::from(on_lights.count_ones());
         (self.accel.closest_packet(rays, on_lights), lit)
+    }
+
+    /// [`Scene::light_packet`] for a single ray.
+    pub(crate) fn light_hit(&self, ray: &Ray, counts: &mut RayCounts) -> (Option<Hit>, bool) {
+        let mut rays = RayPacket::default();
+        rays.set(0, ray);
+        let (hits, lit) = self.light_packet(&rays, 1, counts);
+        (hits.get(0), lit != 0)
     }
 }

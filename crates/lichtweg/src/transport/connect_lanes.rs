@@ -9,8 +9,8 @@ use super::mis;
 use super::packets::RayLanes;
 use super::vertex_lanes::VertexLanes;
 use super::visibility::{Candidate, SHADOW_END};
-use super::wave::SpectrumLanes;
 use super::wave::lights::{LightLanes, lights};
+use crate::color::SpectrumLanes;
 use crate::lanes::lanes_of;
 
 impl<S: ContributionSink> Joiner<'_, '_, S> {

@@ -19,7 +19,7 @@ use super::packets::{RayLanes, rows_of};
 use super::partners::{Block, BlockKind, Partners};
 use super::vertex::Vertex;
 use super::visibility::{Candidate, End, SHADOW_END, Way};
-use super::wave::SpectrumLanes;
+use crate::color::SpectrumLanes;
 use crate::bsdf::Mode;
 use crate::color::{Spectra, Spectrum};
 use crate::lanes::lanes_of;

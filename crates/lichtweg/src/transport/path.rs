@@ -151,7 +151,16 @@ impl PathTracer {
         let mut walk = Walk::new(ray, sampler);
         for depth in 1..=self.max_depth {
             counts.edges += 1;
-            let point = scene.intersect(&walk.ray, &mut counts.rays, || walk.sampler.next_1d());
+            let u = || walk.sampler.next_1d();
+            let point = if depth < self.max_depth {
+                scene.intersect(&walk.ray, &mut counts.rays, u)
+            } else {
+                let (hit, lit) = scene.light_hit(&walk.ray, &mut counts.rays);
+                if !lit {
+                    break;
+                }
+                hit.and_then(|hit| scene.point(&walk.ray, &hit, &mut counts.rays, u))
+            };
             let arrival = self.arrive(scene, 0, depth, &mut walk, point.as_ref(), observer);
             radiance += arrival.emitted;
             if let Some(connection) = arrival.connection {
@@ -258,9 +267,8 @@ impl PathTracer {
     fn escaped(&self, scene: &Scene, direction: Vec3, departure: &Departure) -> Spectrum {
         scene.environments().fold(Spectrum::ZERO, |sum, (index, environment)| {
             let seen = environment.seen(direction);
-            let weight = self.hit_weight(departure, || {
-                scene.selection().probability(&departure.receiver(), index, 0) * seen.pdf()
-            });
+            let weight =
+                self.hit_weight(departure, || scene.selection().probability_around(index) * seen.pdf());
             sum + seen.radiance * weight
         })
     }

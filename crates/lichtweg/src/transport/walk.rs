@@ -407,7 +407,9 @@ impl<V: WalkVisitor> Step<'_, '_, V> {
         if V::LIGHTS_ALONE {
             arrivals.lanes &= !arrivals.emitting;
         }
-        let done = arrivals.lanes | arrivals.gone;
+        // Those that leave a lit scene go one by one.
+        let gone = if walk.scene.is_dark_outside() { arrivals.gone } else { 0 };
+        let done = arrivals.lanes | gone;
         let last = walk.is_last(number);
         if arrivals.lanes == 0 || last && !V::LAST_MATTER {
             return done;

@@ -4,13 +4,44 @@ use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Wide, WordLanes}
 
 use super::points::{Arrivals, Points};
 use super::queue::{NO_PDF, WalkLanes};
-use super::{PathObserver, SpectrumLanes, Step, lanes_of, load_vector, set_vector};
-use crate::color::Spectra;
+use super::{PathObserver, Step, lanes_of, load_vector, set_vector};
+use crate::color::{Spectra, SpectrumLanes};
 use crate::light::{Cone, Receiver, Sight};
 use crate::scene::description::LightStrategy;
 use crate::transport::mis;
 
 impl<O: PathObserver> Step<'_, O> {
+    /// Adds the radiance around the scene to the walks that leave it.
+    #[inline(always)]
+    pub(super) fn escaped<W: Wide>(&mut self, walks: &WalkLanes<W::F32>, lanes: u32) {
+        let (tracer, scene) = (self.tracer, self.scene);
+        if self.depth == 1 && tracer.hide_emitters {
+            return;
+        }
+        let splat = W::F32::splat;
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let departed = !walks.departure_pdf.equal(splat(NO_PDF));
+        let mut sum = Spectra([zero; 4]);
+        for (light, environment) in scene.environments() {
+            let weighed = if tracer.light == LightStrategy::Mis { lanes & departed.bits() } else { 0 };
+            let (radiance, pdf) = environment.seen_lanes::<W>(walks.direction, lanes, weighed);
+            let weight = match tracer.light {
+                LightStrategy::Naive => one,
+                LightStrategy::Nee => zero.select(departed, one),
+                LightStrategy::Mis => {
+                    let pdf_light = splat(scene.selection().probability_around(light)) * pdf;
+                    mis::weight(tracer.heuristic, walks.departure_pdf, pdf_light).select(departed, one)
+                }
+            };
+            sum += radiance * weight;
+        }
+        let emitted = SpectrumLanes::new(walks.throughput * sum);
+        let path = walks.path.to_lanes();
+        for lane in lanes_of(lanes) {
+            self.wave.radiance[path.0[lane] as usize] += emitted.get(lane);
+        }
+    }
+
     /// Adds the radiance of lights to the walks that hit them; which lanes are left to be dealt with one by one, since they
     /// come from inside a sphere that emits.
     #[inline(always)]

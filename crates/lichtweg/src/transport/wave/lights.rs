@@ -3,8 +3,8 @@
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::{SpectrumLanes, lanes_of, lanes_of_vector, load_vector, set_vector, vec3};
-use crate::color::Spectra;
+use super::{lanes_of, lanes_of_vector, load_vector, set_vector, vec3};
+use crate::color::{Spectra, SpectrumLanes};
 use crate::lanes::warp;
 use crate::light::{Cone, LightChoice, Receiver, Sight, pdf_leaving};
 use crate::scene::offset::offset;

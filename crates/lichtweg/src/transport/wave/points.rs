@@ -4,9 +4,9 @@ use lichtweg_ray::HitPacket;
 use lichtweg_ray::math::Vector;
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide};
 
-use super::{SpectrumLanes, lanes_of, load_vector, set_vector};
+use super::{lanes_of, load_vector, set_vector};
 use crate::bsdf::Frame;
-use crate::color::Spectra;
+use crate::color::{Spectra, SpectrumLanes};
 use crate::scene::{Facets, Form, LobeMaterial, Scene, Sphere};
 use crate::transport::packets::NO_ROW;
 
@@ -16,7 +16,7 @@ pub struct Arrivals<'a> {
     hits: &'a HitPacket,
     /// Walks that hit a simple surface.
     pub lanes: u32,
-    /// Walks that left a scene with nothing around it.
+    /// Walks that left the scene.
     pub gone: u32,
     /// Those on lights.
     pub emitting: u32,
@@ -65,11 +65,10 @@ impl<'a> Arrivals<'a> {
             normals: [Lanes::splat(0.0); 3],
             materials: [None; LANES],
         };
-        let dark = scene.is_dark_outside();
         for lane in lanes_of(active) {
             let bit = 1 << lane;
             let Some(hit) = hits.get(lane) else {
-                out.gone |= if dark { bit } else { 0 };
+                out.gone |= bit;
                 continue;
             };
             let Some(surface) = scene.simple_surface(&hit) else { continue };

@@ -26,6 +26,9 @@ impl<O: PathObserver> Step<'_, O> {
     ) -> u32 {
         let scene = self.scene;
         let mut arrivals = Arrivals::new(scene, active, hits);
+        if arrivals.gone != 0 && !scene.is_dark_outside() {
+            self.escaped::<W>(&walks, arrivals.gone);
+        }
         let last = self.depth >= self.tracer.max_depth();
         if arrivals.lanes == 0 || last && arrivals.emitting == 0 {
             return arrivals.lanes | arrivals.gone;
