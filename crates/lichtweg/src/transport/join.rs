@@ -1,7 +1,7 @@
 //! Connections between the vertices of walks from the eye and those of walks from the lights: s, t >= 2.
 //!
 //! Pairs come in rows, and groups of pairs of a row share their walks from the lights: each walk from the eye is joined with the
-//! walks from the lights of `partners` pairs, itself one of them, each for its share. So for one walk of either kind there are many
+//! walks from the lights of `partners` pairs, each for its share. So for one walk of either kind there are many
 //! joint paths, of which only those that are worth it are looked at (compare Davidovič et al. 2014, *Progressive Light Transport
 //! Simulation on the GPU*, section 6, and Popov et al. 2015, *Probabilistic Connections for Bidirectional Path Tracing*). The pairs
 //! of a group belong to different pixels, so that a pixel's samples stay independent.
@@ -19,8 +19,8 @@ use super::packets::{RayLanes, rows_of};
 use super::partners::{Block, BlockKind, Partners};
 use super::vertex::Vertex;
 use super::visibility::{Candidate, End, SHADOW_END, Way};
-use crate::color::SpectrumLanes;
 use crate::bsdf::Mode;
+use crate::color::SpectrumLanes;
 use crate::color::{Spectra, Spectrum};
 use crate::lanes::lanes_of;
 use crate::scene::RayCounts;
@@ -60,7 +60,7 @@ impl<S: ContributionSink> Joiner<'_, '_, S> {
         counts: &mut RayCounts,
     ) {
         let settings = self.settings;
-        partners.gather(light.joints, self.pairs.len(), row, settings.partners as usize);
+        partners.gather(light.joints, self.pairs, row, settings.partners as usize);
         let mut next = 0;
         while next < eye.joints.len() {
             let pairs = self.pairs;

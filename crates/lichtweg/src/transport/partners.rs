@@ -1,7 +1,9 @@
 //! Which vertices of walks from the lights each walk from the eye is joined with, in blocks of sixteen that scatter alike.
 
+use lichtweg_montecarlo::{SamplerState, hash};
 use lichtweg_ray::wide::{self, FloatLanes, Kernel, LANES, Lanes, Row, Wide};
 
+use super::bidirectional::Pair;
 use super::counting_sort::CountingSort;
 use super::joint::{Joints, Kind};
 use super::packets::rows_of;
@@ -46,17 +48,18 @@ pub struct Partners {
 
 impl Partners {
     /// From the vertices of the walks of some pairs, in rows, groups of `partners` of which share theirs.
-    pub fn gather(&mut self, light: &Joints, pairs: usize, row: usize, partners: usize) {
+    pub fn gather(&mut self, light: &Joints, pairs: &[Pair], row: usize, partners: usize) {
         let walks = light.labels.iter().map(|label| label.walk as usize);
-        self.by_walk.sort(pairs, walks);
+        self.by_walk.sort(pairs.len(), walks);
         let groups_a_row = row.div_ceil(partners);
         self.group.clear();
-        self.group
-            .extend((0..pairs).map(|pair| (pair / row * groups_a_row + pair % row % groups_a_row) as u32));
+        for (number, row) in pairs.chunks(row).enumerate() {
+            self.deal(row, (number * groups_a_row) as u32, groups_a_row as u32);
+        }
         self.blocks.clear();
         self.lobes.clear();
         self.groups.clear();
-        for first in (0..pairs).step_by(row) {
+        for first in (0..pairs.len()).step_by(row) {
             for group in 0..groups_a_row {
                 self.groups.push(self.blocks.len() as u32);
                 self.kinds.iter_mut().for_each(Vec::clear);
@@ -75,6 +78,23 @@ impl Partners {
             }
         }
         self.groups.push(self.blocks.len() as u32);
+    }
+
+    /// The groups of a row's pairs. They are dealt by chance: pairs of a group err alike, and if they lay regularly their errors would
+    /// be a pattern in the image. A pair that shares nothing keeps its own walk.
+    fn deal(&mut self, row: &[Pair], first: u32, groups: u32) {
+        let start = self.group.len();
+        self.group.extend((0..row.len() as u32).map(|i| first + i % groups));
+        if groups as usize >= row.len() {
+            return;
+        }
+        let SamplerState { key, index, .. } = row[0].light.state();
+        let seed = hash::combine(key, u64::from(index));
+        for i in (1..row.len()).rev() {
+            let u = hash::combine(seed, i as u64) >> 32;
+            let other = (u * (i as u64 + 1)) >> 32;
+            self.group.swap(start + i, start + other as usize);
+        }
     }
 
     /// Makes blocks of the vertices of a group.
@@ -144,5 +164,39 @@ impl Kernel for Transpose<'_> {
             out[i] = columns[i].to_lanes();
         }
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lichtweg_montecarlo::{Sampler, SamplerKind};
+    use lichtweg_ray::Ray;
+    use lichtweg_ray::math::Vec3;
+
+    use super::*;
+
+    /// Groups are even, and which pixels are of one is left to chance, anew in each row.
+    #[test]
+    fn groups_make_no_pattern() {
+        const ROW: usize = 256;
+        let pair = |i: u32| {
+            let sampler = |sample| Sampler::new(SamplerKind::Sobol, 5, u64::from(i / ROW as u32), sample);
+            Pair { ray: Ray::new(Vec3::ZERO, Vec3::Z), eye: sampler(0), light: sampler(i), expected: 0.0 }
+        };
+        let pairs: Vec<Pair> = (0..4 * ROW as u32).map(pair).collect();
+        let mut partners = Partners::default();
+        partners.gather(&Joints::default(), &pairs, ROW, 16);
+        for group in 0..64 {
+            let members = partners.group.iter().filter(|&&g| g == group).count();
+            assert_eq!(members, 16, "group {group}");
+        }
+        let rows: Vec<&[u32]> = partners.group.chunks(ROW).collect();
+        let again = |lag: usize| (lag..ROW).filter(|&i| rows[0][i] == rows[0][i - lag]).count();
+        // A sixteenth on average.
+        assert!((1..64).all(|lag| again(lag) < 40), "{:?}", (1..64).map(again).collect::<Vec<_>>());
+        let kept = (0..ROW).filter(|&i| rows[0][i] + 16 == rows[1][i]).count();
+        assert!(kept < 40, "{kept} of {ROW}");
+        partners.gather(&Joints::default(), &pairs, ROW, 1);
+        assert!(partners.group.iter().enumerate().all(|(i, &g)| g as usize == i), "each its own");
     }
 }
