@@ -9,15 +9,23 @@ use super::{RayCounts, Scene, Shape};
 pub(super) struct Emitters(Accel);
 
 /// Of all primitives, this part may emit, at most: a ray that asks for light asks twice.
-const FEW: usize = 4;
+const FEW: u64 = 4;
 
 impl Emitters {
     /// Over those of the shapes that emit; `None` where they are so many that asking for them first is no gain.
     pub fn new(shapes: &[Shape], all: &BuildReport) -> Result<Option<Self>, BuildError> {
-        let emitting = shapes.iter().filter(|s| s.light.is_some());
-        let accel = Accel::build(emitting.map(|s| s.form.geometry()).collect(), BuildOptions::default())?;
-        let count = |report: &BuildReport| report.triangles + report.quadrics + report.curve_segments;
-        Ok((FEW * count(accel.report()) <= count(all)).then_some(Self(accel)))
+        let emitting = || shapes.iter().filter(|s| s.light.is_some());
+        let primitives: u64 = emitting().map(|s| s.form.triangles().max(1)).sum();
+        if FEW * primitives > (all.triangles + all.quadrics + all.curve_segments) as u64 {
+            return Ok(None);
+        }
+        Accel::build(emitting().map(|s| s.form.geometry()).collect(), BuildOptions::default())
+            .map(|accel| Some(Self(accel)))
+    }
+
+    /// What building it took.
+    pub fn report(&self) -> &BuildReport {
+        self.0.report()
     }
 }
 

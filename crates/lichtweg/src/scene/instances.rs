@@ -75,7 +75,7 @@ impl Structures {
             error => bad(&error),
         })?;
         let inner = built.iter().flatten().map(|accel| *accel.report());
-        let report = inner.fold(*accel.report(), |mut all, r| {
+        let mut report = inner.fold(*accel.report(), |mut all, r| {
             all.triangles += r.triangles;
             all.quadrics += r.quadrics;
             all.curve_segments += r.curve_segments;
@@ -87,6 +87,11 @@ impl Structures {
             all
         });
         let emitters = Emitters::new(&shapes[..in_world], &report).map_err(|error| bad(&error))?;
+        if let Some(again) = emitters.as_ref().map(Emitters::report) {
+            report.nodes += again.nodes;
+            report.bytes += again.bytes;
+            report.seconds += again.seconds;
+        }
         Ok(Self { accel, emitters, instances, report })
     }
 }

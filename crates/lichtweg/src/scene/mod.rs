@@ -35,6 +35,7 @@ pub(crate) use instances::on_shutter_clock;
 #[derive(Debug)]
 pub struct Scene {
     accel: Accel,
+    /// Where rays that matter only if they run into light ask first.
     emitters: Option<Emitters>,
     instances: Instances,
     hierarchies: BuildReport,
