@@ -140,8 +140,12 @@ fn the_estimator_can_be_chosen() {
         "path:light=naive,heuristic=power,rr_depth=off,hide_emitters=false"
     );
     assert_eq!(stats["settings"]["max_depth"], 2);
-    assert_eq!(stats["result"]["occlusion_rays"], 0);
-    assert_eq!(place.stats(&["--max-depth", "-1"])["settings"]["max_depth"], -1);
+    // Nothing is connected: only the last edge of a path asks whether it meets light at all.
+    let count = |key: &str| stats["result"][key].as_u64().unwrap();
+    assert!(count("occlusion_rays") <= count("camera_paths"));
+    let unlimited = place.stats(&["--integrator", "path:light=naive", "--max-depth", "-1"]);
+    assert_eq!(unlimited["settings"]["max_depth"], -1);
+    assert_eq!(unlimited["result"]["occlusion_rays"], 0);
     // Emitters alone, and those hidden: black.
     let hidden = place.stats(&["--integrator", "path:hide_emitters=true", "--max-depth", "1"]);
     assert_eq!(hidden["result"]["mean_radiance"], json!([0.0, 0.0, 0.0]));
@@ -180,8 +184,12 @@ fn statistics_are_complete_and_consistent() {
     assert_eq!(result["camera_paths"], 32 * 24 * 4);
     let number = |key: &str| result[key].as_f64().unwrap_or_else(|| panic!("{key}: {result}"));
     assert_eq!(number("rays"), number("intersection_rays") + number("occlusion_rays"));
-    // Every edge of an eye path is one ray, as nothing has holes.
-    assert_eq!(number("mean_path_length"), number("intersection_rays") / number("camera_paths"));
+    // The last edge of a path is traced for the nearest hit only where it meets light.
+    assert!(number("mean_path_length") > number("intersection_rays") / number("camera_paths"));
+    // Every other edge is one ray, as nothing has holes.
+    let unlimited = &place.stats(&["--max-depth", "-1"])["result"];
+    let number_of = |key: &str| unlimited[key].as_f64().unwrap();
+    assert_eq!(number_of("mean_path_length"), number_of("intersection_rays") / number_of("camera_paths"));
     assert!(number("rays_per_second") > 0.0 && number("passes") >= 1.0);
     assert_eq!((number("dropped_samples"), &result["first_dropped_sample"]), (0.0, &json!(null)));
     for key in ["mean_radiance", "mean_radiance_standard_error"] {
