@@ -154,7 +154,8 @@ fn by_bsdf(
             light.radiance(&hit, -sample.wi, scene.textures()) * weight(index, hit.primitive, pdf)
         }),
         None => scene.environments().fold(Spectrum::ZERO, |sum, (index, e)| {
-            sum + e.seen(sample.wi).radiance * weight(index, 0, e.seen(sample.wi).pdf())
+            let seen = e.seen(sample.wi);
+            sum + seen.radiance * weight(index, 0, seen.pdf())
         }),
     };
     sample.weight * incident

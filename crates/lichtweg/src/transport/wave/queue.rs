@@ -8,6 +8,8 @@ use lichtweg_ray::math::{Vec3, Vector};
 use lichtweg_ray::wide::{Float, FloatLanes, LANES, Lanes, Mask, Row, Wide, Word, WordLanes};
 use lichtweg_ray::{Ray, RayPacket};
 
+use super::super::counting_sort::CountingSort;
+use super::super::packets::rows_of;
 use super::super::path::{Connection, Departure, Walk};
 use super::draws::Draws;
 use super::{lanes_of, lanes_of_vector};
@@ -93,53 +95,62 @@ pub fn bucket<F: Float>(d: Vector<F>) -> F::Bits {
     axis + sign(d.x, 1) + sign(d.y, 2) + sign(d.z, 4)
 }
 
-/// Things in a queue, by direction.
+/// Rows in a queue, and the order in which they are taken.
 #[derive(Debug)]
-struct Order {
-    bucket: Box<[u8]>,
-    /// How many are in each bucket.
-    counts: [u16; BUCKETS],
-    order: Box<[u16]>,
+struct Rows {
+    len: usize,
+    rows: Box<[Row]>,
+    /// See [`bucket`].
+    buckets: Box<[u8]>,
+    sorted: CountingSort,
 }
 
-impl Order {
+impl Rows {
     fn new() -> Self {
-        Self { bucket: table(), counts: [0; BUCKETS], order: table() }
+        let rows = vec![Row::splat(0.0); CAPACITY].into_boxed_slice();
+        Self { len: 0, rows, buckets: table(), sorted: CountingSort::default() }
     }
 
     fn clear(&mut self) {
-        self.counts = [0; BUCKETS];
+        self.len = 0;
     }
 
     #[inline(always)]
-    fn set(&mut self, number: usize, bucket: u8) {
-        self.bucket[number] = bucket;
-        self.counts[usize::from(bucket)] += 1;
+    fn push(&mut self, row: &Row, bucket: u8) {
+        self.rows[self.len] = *row;
+        self.buckets[self.len] = bucket;
+        self.len += 1;
+    }
+
+    /// Appends the lanes whose mask is true.
+    #[inline(always)]
+    fn append<W: Wide>(&mut self, columns: [W::F32; LANES], direction: Vector<W::F32>, mask: W::Mask) {
+        let rows = W::F32::rows(columns);
+        let buckets = bucket(direction).to_lanes();
+        for lane in lanes_of(mask.bits()) {
+            self.push(&rows[lane], buckets.0[lane] as u8);
+        }
     }
 
     /// As they came.
-    fn keep(&mut self, len: usize) {
-        (0..len).for_each(|i| self.order[i] = i as u16);
+    fn keep_order(&mut self) {
+        self.sorted.sort(1, std::iter::repeat_n(0, self.len));
     }
 
     /// By direction.
-    fn sort(&mut self, len: usize) {
-        let mut start = [0; BUCKETS];
-        let mut next = 0;
-        for (start, count) in start.iter_mut().zip(self.counts) {
-            *start = next;
-            next += count;
-        }
-        for (i, &bucket) in self.bucket[..len].iter().enumerate() {
-            let to = &mut start[usize::from(bucket)];
-            self.order[usize::from(*to)] = i as u16;
-            *to += 1;
-        }
+    fn sort(&mut self) {
+        self.sorted.sort(BUCKETS, self.buckets[..self.len].iter().map(|&bucket| bucket.into()));
     }
 
     #[inline(always)]
-    fn get(&self, at: usize) -> usize {
-        usize::from(self.order[at])
+    fn get(&self, at: usize) -> &Row {
+        &self.rows[self.sorted.order()[at] as usize]
+    }
+
+    /// The columns of sixteen from one on; what is behind the end is of no meaning.
+    #[inline(always)]
+    fn columns<F: FloatLanes>(&self, at: usize) -> [F; LANES] {
+        F::columns(&rows_of(&self.sorted.order()[at..], |i| &self.rows[i]))
     }
 }
 
@@ -147,11 +158,7 @@ impl Order {
 ///
 /// A row: origin, direction, throughput, position and density of the departure, path, next dimension.
 #[derive(Debug)]
-pub(super) struct WalkQueue {
-    len: usize,
-    rows: Box<[Row]>,
-    order: Order,
-}
+pub(super) struct WalkQueue(Rows);
 
 /// A walk as its row has it; or as many as `F` has lanes.
 #[derive(Clone, Copy)]
@@ -205,24 +212,16 @@ impl<F: FloatLanes> WalkLanes<F> {
 
 impl WalkQueue {
     pub fn new() -> Self {
-        Self { len: 0, rows: vec![Row::splat(0.0); CAPACITY].into_boxed_slice(), order: Order::new() }
+        Self(Rows::new())
     }
 
     #[inline(always)]
     pub fn len(&self) -> usize {
-        self.len
+        self.0.len
     }
 
     pub fn clear(&mut self) {
-        self.len = 0;
-        self.order.clear();
-    }
-
-    #[inline(always)]
-    fn push_row(&mut self, row: &Row, bucket: u8) {
-        self.rows[self.len] = *row;
-        self.order.set(self.len, bucket);
-        self.len += 1;
+        self.0.clear();
     }
 
     /// Appends a walk, whose path is known to `paths`.
@@ -237,38 +236,29 @@ impl WalkQueue {
             path,
             dimension: walk.sampler.dimension(),
         };
-        self.push_row(&Lanes(lanes.columns()), bucket(lanes.direction) as u8);
+        self.0.push(&Lanes(lanes.columns()), bucket(lanes.direction) as u8);
     }
 
     /// Appends the lanes whose mask is true.
     #[inline(always)]
     pub fn append<W: Wide>(&mut self, walks: &WalkLanes<W::F32>, mask: W::Mask) {
-        let rows = W::F32::rows(walks.columns());
-        let buckets = bucket(walks.direction).to_lanes();
-        for lane in lanes_of(mask.bits()) {
-            self.push_row(&rows[lane], buckets.0[lane] as u8);
-        }
+        self.0.append::<W>(walks.columns(), walks.direction, mask);
     }
 
     /// Takes the walks as they came.
     pub fn keep_order(&mut self) {
-        self.order.keep(self.len);
+        self.0.keep_order();
     }
 
     /// Takes the walks by direction.
     pub fn sort(&mut self) {
-        self.order.sort(self.len);
-    }
-
-    #[inline(always)]
-    fn row(&self, at: usize) -> &Row {
-        &self.rows[self.order.get(at)]
+        self.0.sort();
     }
 
     /// A walk, and which path it is of.
     #[inline]
     pub fn get(&self, at: usize, paths: &Paths) -> (Walk, u32) {
-        let lanes = WalkLanes::new(&self.row(at).0);
+        let lanes = WalkLanes::new(&self.0.get(at).0);
         let i = lanes.path as usize;
         let key = u64::from(paths.key[1][i]) << 32 | u64::from(paths.key[0][i]);
         let state = SamplerState { key, index: paths.index[i], dimension: lanes.dimension };
@@ -290,17 +280,13 @@ impl WalkQueue {
     /// Which path a walk is of.
     #[inline(always)]
     pub fn path(&self, at: usize) -> usize {
-        WalkLanes::new(&self.row(at).0).path as usize
+        WalkLanes::new(&self.0.get(at).0).path as usize
     }
 
     /// Sixteen walks from one on; what is behind the end is of no meaning.
     #[inline(always)]
     pub fn lanes<F: FloatLanes>(&self, at: usize) -> WalkLanes<F> {
-        let mut rows = [&self.rows[0]; LANES];
-        for (lane, row) in rows.iter_mut().enumerate().take(self.len - at) {
-            *row = self.row(at + lane);
-        }
-        WalkLanes::new(&F::columns(&rows))
+        WalkLanes::new(&self.0.columns(at))
     }
 }
 
@@ -308,11 +294,7 @@ impl WalkQueue {
 ///
 /// A row: origin, direction, end, contribution, path.
 #[derive(Debug)]
-pub(super) struct ConnectionQueue {
-    len: usize,
-    rows: Box<[Row]>,
-    order: Order,
-}
+pub(super) struct ConnectionQueue(Rows);
 
 /// A connection as its row has it; or as many as `F` has lanes.
 #[derive(Clone, Copy)]
@@ -347,57 +329,42 @@ impl<F: Float> ConnectionLanes<F> {
 
 impl ConnectionQueue {
     pub fn new() -> Self {
-        Self { len: 0, rows: vec![Row::splat(0.0); CAPACITY].into_boxed_slice(), order: Order::new() }
+        Self(Rows::new())
     }
 
     #[inline(always)]
     pub fn len(&self) -> usize {
-        self.len
+        self.0.len
     }
 
     pub fn clear(&mut self) {
-        self.len = 0;
-        self.order.clear();
+        self.0.clear();
     }
 
-    #[inline(always)]
-    fn push_row(&mut self, row: &Row, bucket: u8) {
-        self.rows[self.len] = *row;
-        self.order.set(self.len, bucket);
-        self.len += 1;
-    }
-
+    /// Appends a connection of a path.
     #[inline]
     pub fn push(&mut self, connection: &Connection, path: u32) {
         let Connection { ray, contribution } = *connection;
         let (origin, direction, tfar) = (ray.origin, ray.direction, ray.tfar);
         let lanes = ConnectionLanes { origin, direction, tfar, contribution, path };
-        self.push_row(&Lanes(lanes.columns()), bucket(direction) as u8);
+        self.0.push(&Lanes(lanes.columns()), bucket(direction) as u8);
     }
 
     /// Appends the lanes whose mask is true.
     #[inline(always)]
     pub fn append<W: Wide>(&mut self, connections: &ConnectionLanes<W::F32>, mask: W::Mask) {
-        let rows = W::F32::rows(connections.columns());
-        let buckets = bucket(connections.direction).to_lanes();
-        for lane in lanes_of(mask.bits()) {
-            self.push_row(&rows[lane], buckets.0[lane] as u8);
-        }
+        self.0.append::<W>(connections.columns(), connections.direction, mask);
     }
 
     /// Takes the connections by direction.
     pub fn sort(&mut self) {
-        self.order.sort(self.len);
+        self.0.sort();
     }
 
     /// The rays of sixteen connections from one on.
     #[inline(always)]
     pub fn rays<F: FloatLanes>(&self, at: usize, paths: &Paths, rays: &mut RayPacket) {
-        let mut rows = [&self.rows[0]; LANES];
-        for (lane, row) in rows.iter_mut().enumerate().take(self.len - at) {
-            *row = &self.rows[self.order.get(at + lane)];
-        }
-        let lanes = ConnectionLanes::new(&F::columns(&rows));
+        let lanes = ConnectionLanes::new(&self.0.columns::<F>(at));
         rays.origin = lanes_of_vector(lanes.origin);
         rays.direction = lanes_of_vector(lanes.direction);
         rays.tnear = Lanes::splat(0.0);
@@ -410,7 +377,7 @@ impl ConnectionQueue {
     /// What a connection contributes, and the path it is of.
     #[inline(always)]
     pub fn contribution(&self, at: usize) -> (Spectrum, usize) {
-        let lanes = ConnectionLanes::new(&self.rows[self.order.get(at)].0);
+        let lanes = ConnectionLanes::new(&self.0.get(at).0);
         (lanes.contribution, lanes.path as usize)
     }
 }
