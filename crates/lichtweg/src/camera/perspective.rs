@@ -12,7 +12,7 @@ use lichtweg_ray::math::{Affine, Motion, Vec3, Vector};
 use lichtweg_ray::wide::Float;
 use lichtweg_ray::{Placement, Ray};
 
-use crate::lanes;
+use crate::lanes::{self, spread};
 use crate::scene::description::{CameraDescription, Diagnostic, Diagnostics, FieldOfView, FovAxis};
 use crate::scene::on_shutter_clock;
 
@@ -267,12 +267,6 @@ impl Camera {
         let radius_squared = self.aperture_radius * self.aperture_radius;
         ((point - self.pose.origin).length_squared() < radius_squared).then_some(point)
     }
-}
-
-/// The same vector in all lanes.
-#[inline(always)]
-fn spread<F: Float>(v: Vec3) -> Vector<F> {
-    Vector::new(F::splat(v.x), F::splat(v.y), F::splat(v.z))
 }
 
 /// `[left, right, bottom, top]` of the view at depth 1, x to the right.

@@ -6,7 +6,7 @@ pub(crate) mod owen;
 pub(crate) mod warp;
 
 use lichtweg_ray::math::{Vec3, Vector};
-use lichtweg_ray::wide::{FloatLanes, Lanes};
+use lichtweg_ray::wide::{Float, FloatLanes, Lanes};
 
 pub(crate) use elementary::{atan2, exp, ln, polynomial};
 
@@ -29,6 +29,12 @@ pub(crate) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
 #[inline(always)]
 pub(crate) fn lanes_of_vector<F: FloatLanes>(v: Vector<F>) -> [Lanes<f32>; 3] {
     [v.x.to_lanes(), v.y.to_lanes(), v.z.to_lanes()]
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+pub(crate) fn spread<F: Float>(v: Vec3) -> Vector<F> {
+    Vector::new(F::splat(v.x), F::splat(v.y), F::splat(v.z))
 }
 
 /// The vector of a lane.

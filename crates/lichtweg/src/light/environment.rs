@@ -8,7 +8,7 @@ use lichtweg_ray::wide::{Float, FloatLanes, Lanes, Wide};
 
 use super::LightSample;
 use crate::color::{Spectra, Spectrum, SpectrumLanes, luminance};
-use crate::lanes::{atan2, lanes_of, warp::sin_cos_turn};
+use crate::lanes::{atan2, lanes_of, spread, warp::sin_cos_turn};
 use crate::scene::description::{EnvironmentMapping, Image};
 
 /// The surroundings.
@@ -205,9 +205,7 @@ impl MapEnvironment {
     #[inline(always)]
     fn to_local<F: Float>(&self, direction: Vector<F>) -> Vector<F> {
         let [x, y, z] = self.to_world;
-        let splat = F::splat;
-        let wide = |v: Vec3| Vector::new(splat(v.x), splat(v.y), splat(v.z));
-        Vector::new(direction.dot(wide(x)), direction.dot(wide(y)), direction.dot(wide(z)))
+        Vector::new(direction.dot(spread(x)), direction.dot(spread(y)), direction.dot(spread(z)))
     }
 
     /// Between texel centres, at coordinates of -1/2 or more; round the horizon, and clamped at the poles.

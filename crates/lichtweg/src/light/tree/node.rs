@@ -10,7 +10,7 @@ use lichtweg_ray::math::{Vec3, Vector};
 use lichtweg_ray::wide::{Float, FloatLanes, LANES};
 
 use super::bounds::LightBounds;
-use crate::lanes::{lanes_of_vector, vec3};
+use crate::lanes::{lanes_of_vector, spread, vec3};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -210,8 +210,7 @@ impl<F: Float> Relative<F> {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let Vector { x, y, z } = to.normal;
         let open = x.equal(zero) & y.equal(zero) & z.equal(zero);
-        let [a, b, c] = corner.to_array().map(F::splat);
-        Self { at: to.position - Vector::new(a, b, c), normal: to.normal, open: one.select(open, zero) }
+        Self { at: to.position - spread(corner), normal: to.normal, open: one.select(open, zero) }
     }
 }
 
